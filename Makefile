@@ -1,0 +1,199 @@
+# stylut: one Makefile. `make help` lists the targets.
+# Everything that is made lands in build/.
+
+VERSION = 0.1.0
+
+config ?= release
+CGAL ?= 1
+prefix ?= /usr/local
+bindir = $(prefix)/bin
+libdir = $(prefix)/lib
+includedir = $(prefix)/include
+docdir = $(prefix)/share/doc/stylut
+
+ifeq ($(origin CC),default)
+CC = gcc
+endif
+ifeq ($(origin CXX),default)
+CXX = $(if $(findstring clang,$(CC)),clang++,g++)
+endif
+AR ?= ar
+
+# What must be there before anything compiles, as Debian 12 packages.
+BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
+  $(if $(filter 1,$(CGAL)),libcgal-dev)
+DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libomp-dev libcmocka-dev bats
+STYLE_PACKAGES = clang-format shellcheck
+
+# ---- configurations ---------------------------------------------------------
+OPTIMIZE_release = -O3
+OPTIMIZE_debug = -O0 -g -DSTY_DEBUG
+OPTIMIZE_sanitize = -O1 -g -DSTY_DEBUG -fsanitize=address,undefined -fno-sanitize-recover=undefined \
+  -fno-omit-frame-pointer
+OPTIMIZE_scalar = -O2 -fno-tree-vectorize
+OPTIMIZE_coverage = -O0 -g --coverage
+ifeq ($(OPTIMIZE_$(config)),)
+$(error config=$(config) is unknown; expected release, debug, sanitize, scalar or coverage)
+endif
+
+# A folder per configuration and compiler, so that none ever mixes with another.
+BUILD = build/$(config)$(if $(filter-out gcc,$(CC)),-$(notdir $(CC)))$(if $(filter-out 1,$(CGAL)),-nocgal)
+
+# -ffp-contract=off: the same bytes from every compiler and processor.
+COMMON = $(OPTIMIZE_$(config)) -Wall -Wextra -Wshadow -Wvla -ffp-contract=off -fPIC -Iinclude -Isrc -MMD -MP \
+  -D_GNU_SOURCE -DSTY_VERSION='"$(VERSION)"' -isystem /usr/include/Imath $(if $(filter 1,$(CGAL)),-DSTY_WITH_CGAL)
+CFLAGS_ALL = -std=c11 $(COMMON) -Wstrict-prototypes -Wmissing-prototypes -fopenmp $(CFLAGS)
+CXXFLAGS_ALL = -std=c++17 $(COMMON) -frounding-math $(CXXFLAGS)
+# The runtime knows nothing of the rest, OpenMP and GNU extensions included.
+RUNTIME_CFLAGS = -std=c11 $(filter-out -D_GNU_SOURCE,$(COMMON)) -Wstrict-prototypes -Wmissing-prototypes $(CFLAGS)
+LIBRARIES = -lembree3 -lassimp -lflann -llz4 -ljansson -lnettle \
+  $(if $(filter 1,$(CGAL)),-lmpfr -lgmp) -lstdc++ -lm
+LINK = $(CC) -fopenmp $(OPTIMIZE_$(config)) $(LDFLAGS)
+
+# ---- what there is ----------------------------------------------------------
+RUNTIME_SOURCES = $(wildcard src/runtime/*.c)
+MODULE_SOURCES = src/bridge/oiio.cpp
+LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES),$(wildcard src/*/*.c)) \
+  $(filter-out $(MODULE_SOURCES),$(wildcard src/bridge/*.cpp))
+TOOL_SOURCES = $(wildcard tools/*.c)
+TEST_SOURCES = $(wildcard tests/*/test_*.c)
+BENCH_SOURCES = $(wildcard tests/bench/*.c)
+
+objects = $(patsubst %,$(BUILD)/%.o,$(1))
+RUNTIME_LIBRARY = $(BUILD)/libstylut_rt.a
+LIBRARY = $(BUILD)/libstylut.a
+MODULE = $(BUILD)/libstylut_oiio.so
+TOOL = $(BUILD)/stylut
+PAINT = $(BUILD)/paint
+CREATURE = $(BUILD)/creature
+USE_RUNTIME = $(BUILD)/use_runtime
+TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
+
+.PHONY: all
+all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(USE_RUNTIME) ## build the tool, the libraries and the example
+
+$(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY)
+	$(LINK) $(call look_in,. ../lib) -o $@ $^ $(LIBRARIES)
+
+# Image files: a module of its own, see src/bridge/codec.h.
+$(MODULE): $(call objects,$(MODULE_SOURCES)) $(LIBRARY)
+	$(LINK) -shared -Wl,--exclude-libs,ALL -o $@ $^ -lOpenImageIO -lOpenImageIO_Util -lnettle -lstdc++ -lm
+# $(call look_in,FOLDERS): where a program finds the module, relative to itself.
+look_in = $(patsubst %,-Wl$(comma)-rpath$(comma)'$$ORIGIN/%',$(1))
+comma = ,
+
+$(RUNTIME_LIBRARY): $(call objects,$(RUNTIME_SOURCES))
+	@rm -f $@
+	$(AR) rcsD $@ $^
+
+$(LIBRARY): $(call objects,$(LIBRARY_SOURCES))
+	@rm -f $@
+	$(AR) rcsD $@ $^
+
+$(BUILD)/src/runtime/%.c.o: src/runtime/%.c Makefile
+	@mkdir -p $(@D)
+	$(CC) $(RUNTIME_CFLAGS) -c -o $@ $<
+
+$(BUILD)/%.c.o: %.c Makefile
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS_ALL) -c -o $@ $<
+
+$(BUILD)/%.cpp.o: %.cpp Makefile
+	@mkdir -p $(@D)
+	$(CXX) $(CXXFLAGS_ALL) -c -o $@ $<
+
+# Programs of one or a few sources beside the tool.
+PAINT_SOURCES = $(wildcard exemplars/paint.c exemplars/paint/*.c)
+$(PAINT): $(call objects,$(PAINT_SOURCES)) $(LIBRARY) | $(MODULE)
+	$(LINK) $(call look_in,.) -o $@ $^ $(LIBRARIES)
+$(CREATURE): $(call objects,exemplars/creature.c) $(LIBRARY)
+	$(LINK) -o $@ $^ $(LIBRARIES)
+# Nothing but the runtime: what a game would link.
+$(USE_RUNTIME): $(BUILD)/exemplars/use_runtime.c.o $(RUNTIME_LIBRARY)
+	$(CC) $(OPTIMIZE_$(config)) $(LDFLAGS) -o $@ $^ -lm
+
+$(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
+	$(LINK) $(call look_in,../..) -o $@ $^ $(LIBRARIES) -lcmocka
+
+# ---- packages ---------------------------------------------------------------
+# $(call missing,PACKAGES): shell text that prints those not installed. Node may
+# well have come from elsewhere than Debian: its presence is what counts.
+missing = for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || printf '%s ' $$p; done; \
+  command -v npm >/dev/null || printf '%s ' $(if $(filter clang,$(1)),nodejs npm)
+
+.PHONY: deps
+deps: ## install the Debian packages that building, demo and tests need
+	@wanted=$$($(call missing,$(TEST_PACKAGES) $(STYLE_PACKAGES))); \
+	if [ -n "$$wanted" ]; then as=; [ "$$(id -u)" = 0 ] || as=sudo; \
+	  echo "installing: $$wanted"; \
+	  $$as apt-get update && DEBIAN_FRONTEND=noninteractive $$as apt-get install -y --no-install-recommends $$wanted; fi
+
+.PHONY: ensure-demo-packages ensure-test-packages
+ensure-demo-packages:
+	@[ -z "$$($(call missing,$(DEMO_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
+ensure-test-packages:
+	@[ -z "$$($(call missing,$(TEST_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
+
+# ---- demo, tests, bench -----------------------------------------------------
+.PHONY: demo run-demo
+demo: ensure-demo-packages ## mesh and painted spheres to stylized pictures: build/demo/contact.png
+	@$(MAKE) --no-print-directory run-demo
+run-demo: $(TOOL) $(MODULE)
+	@exemplars/demo.sh $(TOOL) build/demo
+
+.PHONY: test run-tests
+test: ensure-test-packages ## run every test (under 15 minutes on two cores)
+	@$(MAKE) --no-print-directory run-tests
+run-tests: all $(TESTS) $(PAINT) $(BUILD)/tests/pack/write_ktx2
+	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
+
+.PHONY: bench
+bench: ensure-test-packages ## speed and memory beside a reference in the same run
+	@$(MAKE) --no-print-directory run-bench
+.PHONY: run-bench
+run-bench: $(TOOL) $(MODULE) $(BUILD)/tests/bench/bench
+	@tests/bench/bench.sh $(BUILD)
+
+# The pictures and the model that stand in exemplars/, made anew.
+.PHONY: artwork
+artwork: $(PAINT) $(CREATURE) ## repaint the exemplars and mesh the creature again
+	@mkdir -p exemplars/spheres
+	$(PAINT) exemplars/spheres
+	$(CREATURE) exemplars/creature.ply
+
+.PHONY: style
+style: ## formatting, includes, shell scripts
+	@tests/style.sh
+
+# ---- install ----------------------------------------------------------------
+.PHONY: install uninstall
+install: all ## install under $(prefix), with DESTDIR
+	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
+	install -m 755 $(TOOL) $(DESTDIR)$(bindir)/stylut
+	install -m 644 $(LIBRARY) $(RUNTIME_LIBRARY) $(MODULE) $(DESTDIR)$(libdir)/
+	install -m 644 include/stylut/*.h $(DESTDIR)$(includedir)/stylut/
+	install -m 644 LICENSE README.md CHANGELOG.md $(DESTDIR)$(docdir)/
+	$(call pkgconfig,stylut_rt,runtime of stylut: reads bundles and stylizes frames,-lstylut_rt -lm)
+	$(call pkgconfig,stylut,guides$(comma) look-up tables and bundles for example-based stylization,-lstylut -lstylut_rt $(LIBRARIES) -fopenmp)
+
+pkgconfig = printf '%s\n' 'prefix=$(prefix)' 'libdir=$${prefix}/lib' 'includedir=$${prefix}/include' '' 'Name: lib$(1)' \
+  'Description: $(2)' 'Version: $(VERSION)' 'Cflags: -I$${includedir}' 'Libs: -L$${libdir} $(3)' \
+  > $(DESTDIR)$(libdir)/pkgconfig/lib$(1).pc
+
+uninstall: ## remove what install put there
+	rm -f $(DESTDIR)$(bindir)/stylut $(DESTDIR)$(libdir)/libstylut.a $(DESTDIR)$(libdir)/libstylut_rt.a \
+	  $(DESTDIR)$(libdir)/libstylut_oiio.so
+	rm -f $(DESTDIR)$(libdir)/pkgconfig/libstylut.pc $(DESTDIR)$(libdir)/pkgconfig/libstylut_rt.pc
+	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
+
+.PHONY: clean
+clean: ## remove build/
+	rm -rf build
+
+.PHONY: help
+help: ## this list
+	@echo 'make [TARGET] [config=release|debug|sanitize|scalar|coverage] [CGAL=0] [CC=clang] [prefix=DIR] [DESTDIR=DIR]'
+	@sed -n 's/^\([a-z][a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile | expand -t 14
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

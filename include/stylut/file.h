@@ -1,0 +1,62 @@
+/* Whole files: read, hashed, and written so that they appear complete or not
+ * at all. */
+#ifndef STYLUT_FILE_H
+#define STYLUT_FILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "stylut/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A file in the making: a temporary beside its final path. */
+typedef struct StyOutput {
+  FILE *stream; /* write here */
+  char *path;   /* final name */
+  char *temporary;
+} StyOutput;
+
+/* Begins `path`. STY_ERROR_FILE when its folder is missing or not writable. */
+StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error);
+
+/* Flushes, checks every earlier write, and renames into place. On failure
+ * (full disk) the temporary is removed. Either way *output is spent. */
+StyStatus sty_commit_output(StyOutput *output, StyError *error);
+
+/* Removes the temporary; does nothing on a spent or zeroed output. */
+void sty_discard_output(StyOutput *output);
+
+/* Checks that `path` is a file one can read; says which of missing, a folder,
+ * no permission it is otherwise. `size` may be NULL. */
+StyStatus sty_check_file(const char *path, uint64_t *size, StyError *error);
+
+/* The whole file, with a NUL behind it that `size` does not count. The caller
+ * frees it. Files over `limit` bytes are refused (STY_ERROR_INPUT). */
+StyStatus sty_read_file(const char *path, size_t limit, unsigned char **data, size_t *size, StyError *error);
+
+/* A file mapped read-only into memory, for reading bundles in place. */
+typedef struct StyMapping {
+  const unsigned char *data;
+  size_t size;
+} StyMapping;
+StyStatus sty_map_file(const char *path, StyMapping *out, StyError *error);
+void sty_unmap_file(StyMapping *mapping);
+
+/* SHA-256 in lower-case hexadecimal. */
+#define STY_HASH_SIZE 65
+StyStatus sty_hash_file(const char *path, char out[STY_HASH_SIZE], StyError *error);
+
+/* folder joined with name, unless name is absolute; the folder that holds path
+ * ("." for a bare name). The caller frees them; NULL
+ * when memory is short. */
+char *sty_join_path(const char *folder, const char *name);
+char *sty_get_folder(const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,79 @@
+/* Guide images: what a picture's surfaces are, pixel by pixel.
+ *
+ * Channels by name, point-sampled at pixel centres, never anti-aliased:
+ *   A                    1 where a surface covers the pixel centre, else 0
+ *   normal.X .Y .Z       view-space shading normal, unit length; miss 0
+ *   depth.Z              distance along the view axis, scene units; miss +inf
+ *   position.X .Y .Z     world position; miss 0
+ *   object.I             id of the part, 1 and up; miss 0
+ * View space: +X right, +Y up, +Z toward the viewer. A shading normal that
+ * would face away from its view ray is bent to the horizon. */
+#ifndef STYLUT_GUIDE_H
+#define STYLUT_GUIDE_H
+
+#include "stylut/image.h"
+#include "stylut/parallel.h"
+#include "stylut/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Groups of channels that can be asked for; A is always there. */
+typedef enum StyChannelGroup {
+  STY_GUIDE_NORMAL = 1 << 0,
+  STY_GUIDE_DEPTH = 1 << 1,
+  STY_GUIDE_POSITION = 1 << 2,
+  STY_GUIDE_OBJECT = 1 << 3,
+} StyChannelGroup;
+
+/* "normal,depth,..." or "all" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */
+StyStatus sty_parse_channels(const char *what, const char *text, unsigned *groups, StyError *error);
+
+/* The unit sphere, orthographic, filling a width x height picture (an ellipse
+ * where the sides differ): normal (x, y, sqrt(1-x*x-y*y)) at the pixel centre's
+ * x = (i+1/2)/width*2-1, y = 1-(j+1/2)/height*2, where x*x+y*y <= 1. Its depth
+ * counts from the plane z = 1 that touches the sphere; position = normal;
+ * object 1. */
+StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error);
+
+typedef struct StyTraceOptions {
+  int width, height;
+  unsigned groups;
+  bool flat; /* facet normals instead of shading normals */
+} StyTraceOptions;
+
+typedef struct StyTraceTimes {
+  double build_ms; /* acceleration structure */
+  double trace_ms; /* rays and shading */
+} StyTraceTimes;
+
+/* Casts one ray per pixel with Embree, in tiles on all threads of `run`; the
+ * result does not depend on their number. `times` may be NULL.
+ * Depth of a fitted orthographic camera counts from the eye's plane. */
+StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
+                          const StyRun *run, StyTraceTimes *times, StyImage **out, StyError *error);
+
+/* Turns a picture as read from a file into a guide with channels A and
+ * normal.X .Y .Z (and depth.Z, style.I, object.I where it has them), in place
+ * of the picture: *image is replaced.
+ * - Channels named normal.* are taken as they are; without A every pixel whose
+ *   normal isn't zero is covered.
+ * - Otherwise R, G, B of an 8- or 16-bit file hold n/2+1/2 (Y up), and A, where
+ *   there is one, covers where it is above 0; without alpha, black is background.
+ * `name` is for messages. STY_ERROR_INPUT: no normals, or a covered pixel
+ * whose normal isn't finite (the message names it). A guide without any
+ * covered pixel passes: a frame may well be empty. */
+StyStatus sty_import_guide(const char *name, StyImage **image, StyError *error);
+
+/* A guide's normals as a picture that any program opens: R G B = n/2+1/2, A =
+ * covered, in 8 or 16 bits; 0 where nothing is covered. With 8 bits this is
+ * what the runtime compares. */
+StyStatus sty_encode_normals(const StyImage *guide, int bits, StyImage **out, StyError *error);
+
+const char *sty_get_ray_library_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,36 @@
+/* Image files in and out, through OpenImageIO, which is loaded with the first
+ * file. All functions may also fail with STY_ERROR_UNAVAILABLE, when the module
+ * libstylut_oiio.so isn't found. */
+#ifndef STYLUT_IMAGE_IO_H
+#define STYLUT_IMAGE_IO_H
+
+#include "stylut/image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Reads EXR (all parts), PNG, TIFF, JPEG, TGA or HDR. Alpha stays
+ * unassociated, values stay as stored. Channels of an EXR part that is named
+ * and not the only one are called part.channel unless they carry a dot
+ * already. A data window smaller than the display window is placed in it.
+ * The header is checked against the limits of image.h and against the size of
+ * the file before any pixel is allocated.
+ * Errors: STY_ERROR_FILE (missing, a folder, unreadable), STY_ERROR_INPUT (not
+ * a picture, truncated, absurd size), STY_ERROR_LIBRARY (memory). */
+StyStatus sty_read_image(const char *path, StyImage **out, StyError *error);
+
+/* Writes by the name's ending: .exr holds all channels as float with lossless
+ * compression; .png holds 1 (grey), 2 (grey, alpha), 3 or 4 channels in their
+ * given order with image->bits of 8 or 16, values clamped to 0..1. The
+ * image's attributes are kept as metadata. The file appears whole or not at
+ * all, and holds the same bytes whenever it is written. */
+StyStatus sty_write_image(const char *path, const StyImage *image, StyError *error);
+
+/* Versions of the linked libraries, for --version. */
+const char *sty_get_image_library_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,150 @@
+#include "stylut/audit.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Lookups per texel and axis. */
+static int get_samples(const StyLut *lut) { return lut->size <= 1024 ? 4 : 2; }
+
+typedef struct Vector {
+  double x, y, z;
+} Vector;
+
+static Vector reconstruct_normal(double gx, double gy) {
+  const double squared = gx * gx + gy * gy;
+  if (squared <= 1) return (Vector){gx, gy, sqrt(1 - squared)};
+  const double length = sqrt(squared);
+  return (Vector){gx / length, gy / length, 0};
+}
+
+/* atan2 keeps its precision for small and large angles alike. */
+static double measure_angle(Vector a, Vector b) {
+  const Vector cross = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  const double sine = sqrt(cross.x * cross.x + cross.y * cross.y + cross.z * cross.z);
+  return atan2(sine, a.x * b.x + a.y * b.y + a.z * b.z) * (180 / M_PI);
+}
+
+typedef struct Guide {
+  const float *covered, *x, *y;
+} Guide;
+
+static double measure_error(const Guide *guide, uint32_t pixel, const float g[2]) {
+  if (!(guide->covered[pixel] > 0)) return 180;
+  return measure_angle(reconstruct_normal(g[0], g[1]), reconstruct_normal(guide->x[pixel], guide->y[pixel]));
+}
+
+static int compare_doubles(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Errors in the order they were found, and where the largest is. */
+typedef struct Tally {
+  double *errors;
+  size_t count;
+  StyFigures figures;
+} Tally;
+
+static void add_error(Tally *tally, double angle, int i, int j, const float g[2], uint32_t pixel, int width) {
+  if (tally->count == 0 || angle > tally->figures.max) {
+    tally->figures.max = angle;
+    tally->figures.texel[0] = i;
+    tally->figures.texel[1] = j;
+    tally->figures.value[0] = g[0];
+    tally->figures.value[1] = g[1];
+    tally->figures.source[0] = (int)(pixel % (uint32_t)width);
+    tally->figures.source[1] = (int)(pixel / (uint32_t)width);
+  }
+  tally->errors[tally->count++] = angle;
+}
+
+static double get_percentile(const Tally *tally, double share) {
+  const size_t rank = (size_t)ceil(share * (double)tally->count);
+  return tally->errors[rank ? rank - 1 : 0];
+}
+
+static StyFigures finish_tally(Tally *tally) {
+  double sum = 0;
+  for (size_t i = 0; i < tally->count; i++) sum += tally->errors[i];
+  qsort(tally->errors, tally->count, sizeof *tally->errors, compare_doubles);
+  StyFigures figures = tally->figures;
+  figures.mean = sum / (double)tally->count;
+  figures.p50 = get_percentile(tally, 0.50);
+  figures.p95 = get_percentile(tally, 0.95);
+  figures.p99 = get_percentile(tally, 0.99);
+  return figures;
+}
+
+static bool is_feasible(const float g[2]) { return g[0] * g[0] + g[1] * g[1] <= 1; }
+
+/* Asks for samples x samples values spread over the texel's square. */
+static void add_lookups(Tally *tally, const StyLut *lut, const Guide *guide, int i, int j) {
+  const uint32_t pixel = lut->pixels[(size_t)j * (size_t)lut->size + (size_t)i];
+  const int samples = get_samples(lut);
+  const double step = 2.0 / lut->size;
+  for (int b = 0; b < samples; b++) {
+    for (int a = 0; a < samples; a++) {
+      const float g[2] = {(float)((i + (a + 0.5) / samples) * step - 1), (float)(1 - (j + (b + 0.5) / samples) * step)};
+      if (is_feasible(g)) add_error(tally, measure_error(guide, pixel, g), i, j, g, pixel, lut->source_width);
+    }
+  }
+}
+
+static size_t count_feasible(const StyLut *lut) {
+  size_t count = 0;
+  for (int j = 0; j < lut->size; j++)
+    for (int i = 0; i < lut->size; i++) {
+      float g[2];
+      sty_get_texel_value(lut, i, j, g);
+      count += is_feasible(g);
+    }
+  return count;
+}
+
+static void audit_texels(const StyLut *lut, const StyLut *exact, const Guide *guide, Tally *assignment, Tally *lookup,
+                         StyAudit *audit) {
+  size_t covered = 0;
+  for (int j = 0; j < lut->size; j++)
+    for (int i = 0; i < lut->size; i++) {
+      const size_t texel = (size_t)j * (size_t)lut->size + (size_t)i;
+      float g[2];
+      sty_get_texel_value(lut, i, j, g);
+      if (!is_feasible(g)) continue;
+      const uint32_t pixel = lut->pixels[texel];
+      audit->background += !(guide->covered[pixel] > 0);
+      covered += exact->errors[texel] <= audit->tolerance;
+      add_error(assignment, measure_error(guide, pixel, g), i, j, g, pixel, lut->source_width);
+      if (lut->sampling == STY_SAMPLE_CENTRE) add_lookups(lookup, lut, guide, i, j);
+    }
+  audit->coverage = (double)covered / (double)audit->feasible;
+}
+
+StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, double tolerance, StyAudit *out,
+                        StyError *error) {
+  const Guide planes = {sty_find_channel(guide, "A"), sty_find_channel(guide, "normal.X"),
+                        sty_find_channel(guide, "normal.Y")};
+  if (lut->source_width != guide->width || lut->source_height != guide->height)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "found a LUT for a source of %dx%d pixels, expected one for the guide's %dx%d", lut->source_width,
+                    lut->source_height, guide->width, guide->height);
+  StyAudit audit = {.size = lut->size, .sampling = lut->sampling, .tolerance = tolerance};
+  audit.feasible = count_feasible(lut);
+  if (audit.feasible == 0)
+    return sty_fail(error, STY_ERROR_INPUT, "found no feasible texel in a LUT of size %d, expected size 3 or more",
+                    lut->size);
+  const size_t lookups = audit.feasible * (size_t)(get_samples(lut) * get_samples(lut));
+  Tally assignment = {.errors = malloc(audit.feasible * sizeof(double))};
+  Tally lookup = {.errors = lut->sampling == STY_SAMPLE_CENTRE ? malloc(lookups * sizeof(double)) : NULL};
+  StyStatus status = STY_OK;
+  if (!assignment.errors || (lut->sampling == STY_SAMPLE_CENTRE && !lookup.errors)) {
+    status = sty_fail_memory(error, "audit", (double)lookups * sizeof(double));
+  } else {
+    audit_texels(lut, exact, &planes, &assignment, &lookup, &audit);
+    audit.assignment = finish_tally(&assignment);
+    audit.lookup = lookup.count ? finish_tally(&lookup) : audit.assignment;
+    *out = audit;
+  }
+  free(assignment.errors);
+  free(lookup.errors);
+  return status;
+}

@@ -1,0 +1,168 @@
+#include "stylut/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <nettle/sha2.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
+  struct stat info;
+  if (!*path) return sty_fail(error, STY_ERROR_USAGE, "output: found an empty name, expected a file name");
+  if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+    return sty_fail(error, STY_ERROR_FILE, "%s: found a folder, expected a file name to write to", path);
+  StyOutput output = {NULL, strdup(path), NULL};
+  if (!output.path || asprintf(&output.temporary, "%s.XXXXXX", path) < 0) {
+    free(output.path);
+    return sty_fail_memory(error, path, (double)strlen(path));
+  }
+  const int descriptor = mkstemp(output.temporary);
+  if (descriptor < 0) {
+    const int cause = errno;
+    free(output.path);
+    free(output.temporary);
+    return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
+                    path, strerror(cause));
+  }
+  /* mkstemp makes private files; what we leave behind should be as any other. */
+  const mode_t mask = umask(0);
+  umask(mask);
+  fchmod(descriptor, 0666 & ~mask);
+  output.stream = fdopen(descriptor, "w+b");
+  if (!output.stream) {
+    close(descriptor);
+    sty_discard_output(&output);
+    return sty_fail_memory(error, path, BUFSIZ);
+  }
+  *out = output;
+  return STY_OK;
+}
+
+StyStatus sty_commit_output(StyOutput *output, StyError *error) {
+  const int earlier = ferror(output->stream);
+  errno = 0;
+  int failed = fflush(output->stream) != 0 || earlier;
+  int cause = errno ? errno : EIO;
+  if (fclose(output->stream) != 0 && !failed) {
+    failed = 1;
+    cause = errno;
+  }
+  output->stream = NULL;
+  if (!failed && rename(output->temporary, output->path) != 0) {
+    failed = 1;
+    cause = errno;
+  }
+  StyStatus status = STY_OK;
+  if (failed)
+    status = sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected room and permission for the whole file",
+                      output->path, strerror(cause));
+  if (!failed) {
+    free(output->temporary);
+    output->temporary = NULL;
+  }
+  sty_discard_output(output);
+  return status;
+}
+
+void sty_discard_output(StyOutput *output) {
+  if (output->stream) fclose(output->stream);
+  if (output->temporary) unlink(output->temporary);
+  free(output->path);
+  free(output->temporary);
+  *output = (StyOutput){NULL, NULL, NULL};
+}
+
+StyStatus sty_check_file(const char *path, uint64_t *size, StyError *error) {
+  struct stat info;
+  if (stat(path, &info) != 0)
+    return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(errno));
+  if (!S_ISREG(info.st_mode))
+    return sty_fail(error, STY_ERROR_FILE, "%s: found %s, expected a file to read", path,
+                    S_ISDIR(info.st_mode) ? "a folder" : "something that isn't a regular file");
+  if (access(path, R_OK) != 0)
+    return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(errno));
+  if (size) *size = (uint64_t)info.st_size;
+  return STY_OK;
+}
+
+StyStatus sty_read_file(const char *path, size_t limit, unsigned char **data, size_t *size, StyError *error) {
+  uint64_t length;
+  const StyStatus status = sty_check_file(path, &length, error);
+  if (status) return status;
+  if (length > limit)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %llu bytes, expected at most %zu", path,
+                    (unsigned long long)length, limit);
+  FILE *stream = fopen(path, "rb");
+  if (!stream) return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(errno));
+  unsigned char *bytes = malloc((size_t)length + 1);
+  if (!bytes) {
+    fclose(stream);
+    return sty_fail_memory(error, path, (double)length);
+  }
+  const size_t got = fread(bytes, 1, (size_t)length, stream);
+  fclose(stream);
+  if (got != length) {
+    free(bytes);
+    return sty_fail(error, STY_ERROR_FILE, "%s: found %zu bytes while reading, expected %llu", path, got,
+                    (unsigned long long)length);
+  }
+  bytes[length] = 0;
+  *data = bytes;
+  *size = (size_t)length;
+  return STY_OK;
+}
+
+StyStatus sty_map_file(const char *path, StyMapping *out, StyError *error) {
+  uint64_t length;
+  const StyStatus status = sty_check_file(path, &length, error);
+  if (status) return status;
+  if (length == 0) return sty_fail(error, STY_ERROR_INPUT, "%s: found an empty file, expected data", path);
+  const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+  void *memory = descriptor < 0 ? MAP_FAILED : mmap(NULL, (size_t)length, PROT_READ, MAP_PRIVATE, descriptor, 0);
+  const int cause = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (memory == MAP_FAILED)
+    return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(cause));
+  *out = (StyMapping){memory, (size_t)length};
+  return STY_OK;
+}
+
+void sty_unmap_file(StyMapping *mapping) {
+  if (mapping->data) munmap((void *)(uintptr_t)mapping->data, mapping->size);
+  *mapping = (StyMapping){NULL, 0};
+}
+
+StyStatus sty_hash_file(const char *path, char out[STY_HASH_SIZE], StyError *error) {
+  const StyStatus status = sty_check_file(path, NULL, error);
+  if (status) return status;
+  FILE *stream = fopen(path, "rb");
+  if (!stream) return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(errno));
+  struct sha256_ctx state;
+  sha256_init(&state);
+  unsigned char block[65536];
+  size_t got;
+  while ((got = fread(block, 1, sizeof block, stream)) > 0) sha256_update(&state, got, block);
+  const int failed = ferror(stream);
+  fclose(stream);
+  if (failed) return sty_fail(error, STY_ERROR_FILE, "%s: reading failed midway; expected a file to read", path);
+  uint8_t digest[SHA256_DIGEST_SIZE];
+  sha256_digest(&state, sizeof digest, digest);
+  for (int i = 0; i < SHA256_DIGEST_SIZE; i++) snprintf(out + 2 * i, 3, "%02x", digest[i]);
+  return STY_OK;
+}
+
+char *sty_join_path(const char *folder, const char *name) {
+  char *path = NULL;
+  if (name[0] == '/' || !*folder) return strdup(name);
+  const char *slash = folder[strlen(folder) - 1] == '/' ? "" : "/";
+  return asprintf(&path, "%s%s%s", folder, slash, name) < 0 ? NULL : path;
+}
+
+char *sty_get_folder(const char *path) {
+  const char *slash = strrchr(path, '/');
+  if (!slash) return strdup(".");
+  return strndup(path, slash == path ? 1 : (size_t)(slash - path));
+}

@@ -1,0 +1,212 @@
+#include "stylut/json.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stylut/file.h"
+
+static const size_t largest_document = 16u << 20;
+
+StyStatus sty_read_document(const char *path, StyDocument *out, StyError *error) {
+  unsigned char *bytes = NULL;
+  size_t size = 0;
+  const StyStatus status = sty_read_file(path, largest_document, &bytes, &size, error);
+  if (status) return status;
+  StyDocument document = {strdup(path), (char *)bytes, NULL};
+  if (!document.name) {
+    sty_close_document(&document);
+    return sty_fail_memory(error, path, (double)strlen(path));
+  }
+  json_error_t cause;
+  document.root = json_loadb(document.text, size, JSON_REJECT_DUPLICATES, &cause);
+  if (!document.root) {
+    sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found invalid JSON: %s", path, cause.line, cause.column, cause.text);
+    sty_close_document(&document);
+    return STY_ERROR_INPUT;
+  }
+  if (!json_is_object(document.root)) {
+    sty_fail_value(&document, NULL, document.root, "an object", error);
+    sty_close_document(&document);
+    return STY_ERROR_INPUT;
+  }
+  *out = document;
+  return STY_OK;
+}
+
+void sty_close_document(StyDocument *document) {
+  json_decref(document->root);
+  free(document->text);
+  free(document->name);
+  *document = (StyDocument){NULL, NULL, NULL};
+}
+
+/* ---- where a value stands ---- The text is known to be valid JSON. */
+
+static const char *skip_blanks(const char *c) { return c + strspn(c, " \t\r\n"); }
+
+static const char *skip_string(const char *c) {
+  for (c++; *c && *c != '"'; c++)
+    if (*c == '\\' && c[1]) c++;
+  return *c ? c + 1 : c;
+}
+
+/* Past a whole value: nesting is counted, strings are stepped over. */
+static const char *skip_value(const char *c) {
+  int depth = 0;
+  do {
+    c = skip_blanks(c);
+    if (*c == '"')
+      c = skip_string(c);
+    else if (*c == '{' || *c == '[')
+      depth++, c++;
+    else if (*c == '}' || *c == ']')
+      depth--, c++;
+    else if (*c == ',' || *c == ':')
+      c++;
+    else
+      c += strcspn(c, " \t\r\n,:{}[]\"");
+  } while (depth > 0 && *c);
+  return c;
+}
+
+/* Keys are compared as jansson reads them, escapes resolved. */
+static int is_key(const char *quoted, const char *end, const char *key) {
+  json_t *string = json_loadb(quoted, (size_t)(end - quoted), JSON_DECODE_ANY, NULL);
+  const int same = string && strcmp(json_string_value(string), key) == 0;
+  json_decref(string);
+  return same;
+}
+
+static const char *find_place(const char *text, const StyPath *path) {
+  if (!path) return skip_blanks(text);
+  const char *c = skip_blanks(find_place(text, path->parent) + 1); /* past { or [ */
+  for (size_t i = 0; *c && *c != '}' && *c != ']'; i++) {
+    const char *value = c;
+    int here = !path->key && i == path->index;
+    if (path->key) {
+      const char *end = skip_string(c);
+      here = is_key(c, end, path->key);
+      value = skip_blanks(skip_blanks(end) + 1);
+    }
+    if (here) return value;
+    c = skip_blanks(skip_value(value));
+    if (*c == ',') c = skip_blanks(c + 1);
+  }
+  return c;
+}
+
+static void locate(const StyDocument *document, const StyPath *path, int *line, int *column) {
+  const char *place = find_place(document->text, path), *start = document->text;
+  *line = 1;
+  for (const char *c = document->text; c < place; c++)
+    if (*c == '\n') {
+      ++*line;
+      start = c + 1;
+    }
+  *column = (int)(place - start) + 1;
+}
+
+/* ---- messages and typed access ---- */
+
+static void write_path(const StyPath *path, char *out, size_t size) {
+  if (!path) {
+    *out = 0;
+    return;
+  }
+  write_path(path->parent, out, size);
+  const size_t used = strlen(out);
+  if (path->key)
+    snprintf(out + used, size - used, "%s%s", used ? "." : "", path->key);
+  else
+    snprintf(out + used, size - used, "[%zu]", path->index);
+}
+
+static const char *name_type(const json_t *value) {
+  static const char *const names[] = {"an object", "a list", "a string", "an integer",
+                                      "a number",  "true",   "false",    "null"};
+  return value ? names[json_typeof(value)] : "nothing";
+}
+
+static StyStatus fail_at(const StyDocument *document, const StyPath *path, const char *found, const char *expected,
+                         StyError *error) {
+  int line, column;
+  char where[256];
+  locate(document, path, &line, &column);
+  write_path(path, where, sizeof where);
+  return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: %s%sfound %s, expected %s", document->name, line, column, where,
+                  *where ? ": " : "", found, expected);
+}
+
+StyStatus sty_fail_value(const StyDocument *document, const StyPath *path, const json_t *found, const char *expected,
+                         StyError *error) {
+  char text[128];
+  if (json_is_string(found))
+    snprintf(text, sizeof text, "\"%.100s\"", json_string_value(found));
+  else if (json_is_number(found))
+    snprintf(text, sizeof text, "%.12g", json_number_value(found));
+  else
+    snprintf(text, sizeof text, "%s", name_type(found));
+  return fail_at(document, path, text, expected, error);
+}
+
+StyStatus sty_check_keys(const StyDocument *document, const StyPath *path, const json_t *object,
+                         const char *const *known, StyError *error) {
+  if (!json_is_object(object)) return sty_fail_value(document, path, object, "an object", error);
+  char list[512] = "one of the keys";
+  for (int k = 0; known[k]; k++) {
+    const size_t used = strlen(list);
+    snprintf(list + used, sizeof list - used, "%s %s", k ? "," : "", known[k]);
+  }
+  for (void *i = json_object_iter((json_t *)(uintptr_t)object); i;
+       i = json_object_iter_next((json_t *)(uintptr_t)object, i)) {
+    const char *key = json_object_iter_key(i);
+    int k = 0;
+    while (known[k] && strcmp(known[k], key) != 0) k++;
+    if (!known[k]) return fail_at(document, &(StyPath){path, key, 0}, "an unknown key", list, error);
+  }
+  return STY_OK;
+}
+
+StyStatus sty_get_string(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                         int required, const char **out, StyError *error) {
+  const json_t *value = json_object_get(object, key);
+  if (!value && !required) return STY_OK;
+  if (!value) {
+    char expected[160];
+    snprintf(expected, sizeof expected, "a key \"%.100s\"", key);
+    return fail_at(document, path, "none", expected, error);
+  }
+  if (!json_is_string(value) || !*json_string_value(value))
+    return sty_fail_value(document, &(StyPath){path, key, 0}, value, "a string that isn't empty", error);
+  *out = json_string_value(value);
+  return STY_OK;
+}
+
+StyStatus sty_get_number(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                         double minimum, double maximum, double *out, StyError *error) {
+  const json_t *value = json_object_get(object, key);
+  if (!value) return STY_OK;
+  const double number = json_number_value(value);
+  if (!json_is_number(value) || !(number >= minimum && number <= maximum)) {
+    char expected[96];
+    snprintf(expected, sizeof expected, "a number from %g to %g", minimum, maximum);
+    return sty_fail_value(document, &(StyPath){path, key, 0}, value, expected, error);
+  }
+  *out = number;
+  return STY_OK;
+}
+
+StyStatus sty_get_integer(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                          int minimum, int maximum, int *out, StyError *error) {
+  const json_t *value = json_object_get(object, key);
+  if (!value) return STY_OK;
+  const json_int_t number = json_integer_value(value);
+  if (!json_is_integer(value) || number < minimum || number > maximum) {
+    char expected[96];
+    snprintf(expected, sizeof expected, "a whole number from %d to %d", minimum, maximum);
+    return sty_fail_value(document, &(StyPath){path, key, 0}, value, expected, error);
+  }
+  *out = (int)number;
+  return STY_OK;
+}

@@ -1,0 +1,70 @@
+#include "stylut/parse.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* strtoll and strtod skip leading blanks and take "+", "nan", "inf" and
+ * hexadecimal; what people type here starts with a digit, '-' or '.'. */
+static int starts_like_number(const char *text) {
+  return isdigit((unsigned char)text[0]) || ((text[0] == '-' || text[0] == '.') && text[1] != '\0');
+}
+
+StyStatus sty_parse_integer(const char *what, const char *text, long long minimum, long long maximum, long long *out,
+                            StyError *error) {
+  char *end = NULL;
+  errno = 0;
+  const long long value = starts_like_number(text) ? strtoll(text, &end, 10) : 0;
+  if (!end || end == text || *end || errno || value < minimum || value > maximum)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected a whole number from %lld to %lld", what, text,
+                    minimum, maximum);
+  *out = value;
+  return STY_OK;
+}
+
+StyStatus sty_parse_number(const char *what, const char *text, double minimum, double maximum, double *out,
+                           StyError *error) {
+  char *end = NULL;
+  const int plain = starts_like_number(text) && strspn(text, "0123456789+-.eE") == strlen(text);
+  const double value = plain ? strtod(text, &end) : NAN;
+  if (!end || end == text || *end || !isfinite(value) || value < minimum || value > maximum)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected a number from %g to %g", what, text, minimum,
+                    maximum);
+  *out = value;
+  return STY_OK;
+}
+
+StyStatus sty_parse_size(const char *what, const char *text, int maximum, int *width, int *height, StyError *error) {
+  char first[16] = "";
+  const char *cross = strchr(text, 'x');
+  const size_t length = cross ? (size_t)(cross - text) : strlen(text);
+  long long w, h;
+  if (length < sizeof first) memcpy(first, text, length);
+  StyStatus status = sty_parse_integer(what, first, 1, maximum, &w, NULL);
+  h = w = status ? 0 : w;
+  if (!status && cross) status = sty_parse_integer(what, cross + 1, 1, maximum, &h, NULL);
+  if (status)
+    return sty_fail(error, status, "%s: found '%s', expected WIDTHxHEIGHT or one side, from 1 to %d pixels", what, text,
+                    maximum);
+  *width = (int)w;
+  *height = (int)h;
+  return STY_OK;
+}
+
+StyStatus sty_parse_choice(const char *what, const char *text, const char *const *choices, int *out, StyError *error) {
+  char list[512] = "";
+  for (int i = 0; choices[i]; i++) {
+    if (strcmp(text, choices[i]) == 0) {
+      *out = i;
+      return STY_OK;
+    }
+    const size_t used = strlen(list);
+    if (used + strlen(choices[i]) + 3 < sizeof list) {
+      if (used) strcat(list, ", ");
+      strcat(list, choices[i]);
+    }
+  }
+  return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected one of %s", what, text, list);
+}

@@ -1,0 +1,292 @@
+// OpenImageIO behind extern "C": converts, catches, decides nothing.
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "bridge/codec.h"
+#include "stylut/file.h"
+
+namespace {
+
+using OIIO::ImageInput;
+using OIIO::ImageOutput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+// Deflate, the densest codec among the formats we read, gains at most about
+// 1032:1; a header that claims more than this is not worth an allocation.
+constexpr double kMaxCompression = 2048.0;
+constexpr double kAlwaysAllowedBytes = 64.0 * 1024 * 1024;
+constexpr int kRowsAtOnce = 64;
+constexpr const char *kAttributePrefix = "stylut:";
+
+// Ends the work inside try blocks below; caught in guard().
+struct Failure {
+  StyStatus status;
+};
+
+// Runs `body` and turns every exception into a status.
+template <typename Body>
+StyStatus guard(const char *path, StyError *error, Body body) {
+  try {
+    body();
+    return STY_OK;
+  } catch (const Failure &failure) {
+    return failure.status;
+  } catch (const std::bad_alloc &) {
+    return sty_fail(error, STY_ERROR_LIBRARY, "%s: found too little memory for the picture", path);
+  } catch (const std::exception &exception) {
+    return sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO failed: %s", path, exception.what());
+  } catch (...) {
+    return sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO failed", path);
+  }
+}
+
+void check(StyStatus status) {
+  if (status != STY_OK) throw Failure{status};
+}
+
+int bits_of(TypeDesc format) {
+  switch (format.basetype) {
+    case TypeDesc::UINT8: return 8;
+    case TypeDesc::UINT16: return 16;
+    default: return 32;
+  }
+}
+
+// One part of a file: its header and the channel names it gives to our image.
+struct Part {
+  ImageSpec spec;
+  std::vector<std::string> names;
+};
+
+std::vector<Part> read_headers(const char *path, ImageInput &input, double file_bytes, StyError *error) {
+  std::vector<Part> parts;
+  double claimed = 0;
+  for (int index = 0; index < STY_MAX_CHANNELS; index++) {
+    Part part;
+    part.spec = input.spec(index, 0);
+    if (part.spec.undefined()) break;
+    const ImageSpec &spec = part.spec;
+    if (spec.format == TypeDesc::UNKNOWN || spec.deep || spec.depth > 1)
+      check(sty_fail(error, STY_ERROR_INPUT, "%s: found deep or volume data, expected a flat picture", path));
+    const ImageSpec &first = parts.empty() ? spec : parts.front().spec;
+    if (spec.full_width != first.full_width || spec.full_height != first.full_height) {
+      // Thumbnails and pyramids of TIFF files are not parts of the picture.
+      if (std::strcmp(input.format_name(), "openexr") != 0) break;
+      check(sty_fail(error, STY_ERROR_INPUT, "%s: found parts of %dx%d and %dx%d pixels, expected one size", path,
+                     first.full_width, first.full_height, spec.full_width, spec.full_height));
+    }
+    if (spec.full_width < 1 || spec.full_height < 1 || spec.full_width > STY_MAX_SIDE ||
+        spec.full_height > STY_MAX_SIDE || (long long)spec.full_width * spec.full_height > STY_MAX_PIXELS ||
+        spec.width < 1 || spec.height < 1 || spec.width > STY_MAX_SIDE || spec.height > STY_MAX_SIDE ||
+        spec.nchannels < 1 || spec.nchannels > STY_MAX_CHANNELS)
+      check(sty_fail(error, STY_ERROR_INPUT,
+                     "%s: found a header of %dx%d pixels and %d channels, expected sides up to %d, at most %lld pixels "
+                     "and %d channels",
+                     path, spec.full_width, spec.full_height, spec.nchannels, STY_MAX_SIDE, STY_MAX_PIXELS,
+                     STY_MAX_CHANNELS));
+    claimed += double(spec.image_bytes());
+    parts.push_back(part);
+    if (std::strcmp(input.format_name(), "openexr") != 0) break;
+  }
+  if (claimed > kAlwaysAllowedBytes && claimed > file_bytes * kMaxCompression)
+    check(sty_fail(error, STY_ERROR_INPUT,
+                   "%s: found a header that claims %.0f bytes of pixels in a file of %.0f bytes", path, claimed,
+                   file_bytes));
+  for (Part &part : parts) {
+    const std::string layer = part.spec.get_string_attribute("oiio:subimagename");
+    for (int c = 0; c < part.spec.nchannels; c++) {
+      const std::string name = part.spec.channel_name(c);
+      const bool plain = parts.size() == 1 || layer.empty() || name.find('.') != std::string::npos;
+      part.names.push_back(plain ? name : layer + "." + name);
+    }
+  }
+  return parts;
+}
+
+// Reads a part's rows into the planes first_channel... of `image`.
+void read_part(const char *path, ImageInput &input, int index, const Part &part, int first_channel, StyImage *image,
+               StyError *error) {
+  const ImageSpec &spec = part.spec;
+  const int offset_x = spec.x - spec.full_x, offset_y = spec.y - spec.full_y;
+  const int channels = spec.nchannels;
+  // Tiled files are read by rows of tiles, others by rows.
+  const int step = spec.tile_height > 0 ? spec.tile_height : kRowsAtOnce;
+  std::vector<float> rows(size_t(step) * size_t(spec.width) * size_t(channels));
+  for (int begin = 0; begin < spec.height; begin += step) {
+    const int end = std::min(begin + step, spec.height);
+    const bool read = spec.tile_width > 0
+                          ? input.read_tiles(index, 0, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, 0, 1,
+                                             0, channels, TypeDesc::FLOAT, rows.data())
+                          : input.read_scanlines(index, 0, spec.y + begin, spec.y + end, 0, 0, channels,
+                                                 TypeDesc::FLOAT, rows.data());
+    if (!read)
+      check(sty_fail(error, STY_ERROR_INPUT,
+                     "%s: found damaged or missing pixel data near row %d, expected %dx%d pixels: %s", path, begin,
+                     spec.full_width, spec.full_height, input.geterror().c_str()));
+    for (int c = 0; c < channels; c++) {
+      // OpenImageIO scales integers to 0..1; ids in 32-bit channels must stay what they are.
+      const float scale = spec.channelformat(c).basetype == TypeDesc::UINT32 ? 4294967295.0f : 1.0f;
+      float *plane = image->data + size_t(first_channel + c) * sty_count_pixels(image);
+      for (int y = begin; y < end; y++) {
+        const int target_y = y + offset_y;
+        if (target_y < 0 || target_y >= image->height) continue;
+        const int from = std::max(0, -offset_x), to = std::min(spec.width, image->width - offset_x);
+        const float *source = rows.data() + (size_t(y - begin) * size_t(spec.width)) * size_t(channels) + c;
+        for (int x = from; x < to; x++)
+          plane[size_t(target_y) * size_t(image->width) + size_t(x + offset_x)] =
+              source[size_t(x) * size_t(channels)] * scale;
+      }
+    }
+  }
+}
+
+void read_attributes(const ImageSpec &spec, StyImage *image, StyError *error) {
+  for (const OIIO::ParamValue &attribute : spec.extra_attribs) {
+    const std::string name = attribute.name().string();
+    if (name.compare(0, std::strlen(kAttributePrefix), kAttributePrefix) == 0)
+      check(sty_set_attribute(image, name.c_str(), attribute.get_string().c_str(), error));
+  }
+}
+
+struct ImageDeleter {
+  void operator()(StyImage *image) const { sty_destroy_image(&image); }
+};
+using ImageHolder = std::unique_ptr<StyImage, ImageDeleter>;
+
+bool has_ending(const char *path, const char *ending) {
+  const size_t length = std::strlen(path), tail = std::strlen(ending);
+  return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+// Hands rows of interleaved values to the writer.
+void write_rows(const char *path, ImageOutput &output, const ImageSpec &spec, const StyImage *image, StyError *error) {
+  const size_t pixels = sty_count_pixels(image);
+  const size_t channels = size_t(image->channel_count), width = size_t(image->width);
+  std::vector<float> rows(kRowsAtOnce * width * channels);
+  std::vector<uint16_t> integers(image->bits < 32 ? rows.size() : 0);
+  const float top = image->bits == 8 ? 255.0f : 65535.0f;
+  for (int begin = 0; begin < image->height; begin += kRowsAtOnce) {
+    const int end = std::min(begin + kRowsAtOnce, image->height);
+    const size_t count = size_t(end - begin) * width * channels;
+    for (size_t c = 0; c < channels; c++) {
+      const float *plane = image->data + c * pixels + size_t(begin) * width;
+      for (size_t i = 0; i < count / channels; i++) rows[i * channels + c] = plane[i];
+    }
+    bool written;
+    if (spec.format == TypeDesc::FLOAT) {
+      written = output.write_scanlines(begin, end, 0, TypeDesc::FLOAT, rows.data());
+    } else {
+      // Rounded here, so that no library version rounds for us.
+      for (size_t i = 0; i < count; i++)
+        integers[i] = uint16_t(std::lrint(std::fmin(std::fmax(rows[i], 0.0f), 1.0f) * top));
+      std::vector<uint8_t> bytes;
+      if (image->bits == 8) bytes.assign(integers.begin(), integers.begin() + long(count));
+      written = output.write_scanlines(begin, end, 0, spec.format,
+                                       image->bits == 8 ? (const void *)bytes.data() : integers.data());
+    }
+    if (!written) check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output.geterror().c_str()));
+  }
+}
+
+}  // namespace
+
+static StyStatus read_image(const char *path, StyImage **out, StyError *error) {
+  uint64_t file_bytes = 0;
+  const StyStatus status = sty_check_file(path, &file_bytes, error);
+  if (status != STY_OK) return status;
+  return guard(path, error, [&] {
+    ImageSpec hints;
+    hints["oiio:UnassociatedAlpha"] = 1;
+    hints["oiio:RawColor"] = 1;
+    const auto input = ImageInput::open(path, &hints);
+    if (!input) {
+      (void)OIIO::geterror();
+      check(sty_fail(error, STY_ERROR_INPUT, "%s: found no readable picture, expected EXR, PNG, TIFF, JPEG, TGA or HDR",
+                     path));
+    }
+    static const char *const formats[] = {"openexr", "png", "tiff", "jpeg", "targa", "hdr"};
+    bool known = false;
+    for (const char *format : formats) known = known || std::strcmp(format, input->format_name()) == 0;
+    if (!known)
+      check(sty_fail(error, STY_ERROR_INPUT, "%s: found a %s file, expected EXR, PNG, TIFF, JPEG, TGA or HDR", path,
+                     input->format_name()));
+    const std::vector<Part> parts = read_headers(path, *input, double(file_bytes), error);
+    std::vector<const char *> names;
+    for (const Part &part : parts)
+      for (const std::string &name : part.names) {
+        for (const char *earlier : names)
+          if (name == earlier)
+            check(sty_fail(error, STY_ERROR_INPUT, "%s: found two channels named %s, expected distinct names", path,
+                           earlier));
+        if (name.size() >= STY_MAX_NAME)
+          check(sty_fail(error, STY_ERROR_INPUT, "%s: found a channel name of %zu bytes, expected at most %d", path,
+                         name.size(), STY_MAX_NAME - 1));
+        names.push_back(name.c_str());
+      }
+    const ImageSpec &first = parts.front().spec;
+    StyError cause;
+    StyImage *created = nullptr;
+    if (const StyStatus failed = sty_create_image(first.full_width, first.full_height, int(names.size()), names.data(),
+                                                  bits_of(first.format), &created, &cause))
+      check(sty_fail(error, failed, "%s: %s", path, cause.text));
+    ImageHolder image(created);
+    int channel = 0;
+    for (size_t i = 0; i < parts.size(); i++) {
+      read_part(path, *input, int(i), parts[i], channel, image.get(), error);
+      channel += parts[i].spec.nchannels;
+    }
+    read_attributes(first, image.get(), error);
+    *out = image.release();
+  });
+}
+
+static StyStatus write_image(const char *path, const StyImage *image, StyError *error) {
+  const bool exr = has_ending(path, ".exr");
+  if (!exr && !has_ending(path, ".png"))
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found an unknown ending, expected .exr or .png", path);
+  if (!exr && (image->channel_count > 4 || image->bits > 16))
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found %d channels of %d bits, which PNG can't hold; expected .exr",
+                    path, image->channel_count, image->bits);
+  StyOutput file;
+  const StyStatus opened = sty_open_output(path, &file, error);
+  if (opened != STY_OK) return opened;
+  const StyStatus status = guard(path, error, [&] {
+    const auto output = ImageOutput::create(exr ? "openexr" : "png");
+    if (!output) check(sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO has no writer for this format", path));
+    ImageSpec spec(image->width, image->height, image->channel_count,
+                   exr                ? TypeDesc::FLOAT
+                   : image->bits == 8 ? TypeDesc::UINT8
+                                      : TypeDesc::UINT16);
+    for (int c = 0; c < image->channel_count; c++) spec.channelnames[size_t(c)] = image->names[c];
+    // PNG gives meaning to channels by their place; only alpha needs a mark.
+    spec.alpha_channel = !exr && image->channel_count % 2 == 0 ? image->channel_count - 1 : -1;
+    spec["oiio:UnassociatedAlpha"] = 1;
+    spec["compression"] = exr ? "zip" : "";
+    spec["DateTime"] = "2000:01:01 00:00:00";  // the same bytes whenever it is written
+    for (int i = 0; i < image->attribute_count; i++)
+      spec.attribute(image->attributes[i].name, image->attributes[i].value);
+    OIIO::Filesystem::IOFile proxy(file.stream, OIIO::Filesystem::IOProxy::Write);
+    void *pointer = &proxy;
+    spec.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
+    if (!output->open(path, spec))
+      check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output->geterror().c_str()));
+    write_rows(path, *output, spec, image, error);
+    if (!output->close())
+      check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output->geterror().c_str()));
+  });
+  if (status != STY_OK) {
+    sty_discard_output(&file);
+    return status;
+  }
+  return sty_commit_output(&file, error);
+}
+
+extern "C" __attribute__((visibility("default"))) const StyImageCodec sty_image_codec = {read_image, write_image};

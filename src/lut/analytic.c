@@ -1,0 +1,100 @@
+/* A sphere that fills the picture needs no search: the guide value is the place
+ * (the lit sphere's rule, seed 000, transformation 2.2.1). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "lut/engine.h"
+
+/* Two 8-bit levels: what rounding a painter's normal map may have done. */
+static const float tolerance = 4.0f / 255.0f;
+
+static const uint32_t not_covered = UINT32_MAX;
+
+typedef struct Job {
+  const StySites *sites;
+  StyLut *lut;
+  const uint32_t *site_of_pixel; /* not_covered where the pixel shows nothing */
+} Job;
+
+static void get_sphere_value(const StySites *sites, uint32_t pixel, float g[2]) {
+  const uint32_t x = pixel % (uint32_t)sites->width, y = pixel / (uint32_t)sites->width;
+  g[0] = (float)(2 * (int)x + 1 - sites->width) / (float)sites->width;
+  g[1] = (float)(sites->height - 2 * (int)y - 1) / (float)sites->height;
+}
+
+static StyStatus check_sphere(const StySites *sites, StyError *error) {
+  for (size_t s = 0; s < sites->count; s++) {
+    float g[2];
+    get_sphere_value(sites, sites->pixels[s], g);
+    const float *found = sites->values + 2 * s;
+    if (fabsf(found[0] - g[0]) > tolerance || fabsf(found[1] - g[1]) > tolerance)
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "engine analytic: found guide value (%.4f, %.4f) at pixel (%u, %u), expected (%.4f, %.4f) of a "
+                      "sphere that fills the picture",
+                      (double)found[0], (double)found[1], sites->pixels[s] % (uint32_t)sites->width,
+                      sites->pixels[s] / (uint32_t)sites->width, (double)g[0], (double)g[1]);
+  }
+  return STY_OK;
+}
+
+/* Pixels whose value was collapsed into a lower pixel's are absent from the
+ * sites, and those outside the disc show nothing; a ring or two around the
+ * place holds the answer, more only near the corners of the domain. */
+static size_t find_site_near(const Job *job, int x, int y, const float g[2]) {
+  const int width = job->sites->width, height = job->sites->height;
+  const int largest = width > height ? width : height;
+  size_t nearest = job->sites->count;
+  float best = INFINITY;
+  int last = largest;
+  for (int ring = 0; ring <= last; ring++) {
+    for (int dy = -ring; dy <= ring; dy++) {
+      const int step = abs(dy) == ring ? 1 : 2 * ring;
+      for (int dx = -ring; dx <= ring; dx += step) {
+        const int px = x + dx, py = y + dy;
+        if (px < 0 || py < 0 || px >= width || py >= height) continue;
+        const uint32_t site = job->site_of_pixel[(size_t)py * (size_t)width + (size_t)px];
+        if (site == not_covered) continue;
+        const float distance = sty_measure_site(job->sites, site, g);
+        if (distance < best || (distance == best && site < nearest)) {
+          best = distance;
+          nearest = site;
+        }
+      }
+    }
+    /* The grid is regular: one more ring than the first that holds anything. */
+    if (nearest != job->sites->count && last == largest) last = ring + 1;
+  }
+  return nearest;
+}
+
+static StyStatus build_row(void *context, long j, StyError *error) {
+  (void)error;
+  const Job *job = context;
+  const int width = job->sites->width, height = job->sites->height;
+  for (int i = 0; i < job->lut->size; i++) {
+    float g[2];
+    sty_get_texel_value(job->lut, i, (int)j, g);
+    /* Outside the disc the nearest place is on its rim. */
+    const float radius = sqrtf(g[0] * g[0] + g[1] * g[1]);
+    const float pull = radius > 1 ? 1 / radius : 1;
+    const int x = (int)((g[0] * pull * 0.5f + 0.5f) * (float)width);
+    const int y = (int)((0.5f - g[1] * pull * 0.5f) * (float)height);
+    sty_set_texel(job->lut, i, (int)j, job->sites, find_site_near(job, x, y, g), g);
+  }
+  return STY_OK;
+}
+
+StyStatus sty_build_analytic(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error) {
+  const StyStatus sphere = check_sphere(sites, error);
+  if (sphere) return sphere;
+  const size_t pixels = (size_t)sites->width * (size_t)sites->height;
+  uint32_t *site_of_pixel = malloc(pixels * sizeof *site_of_pixel);
+  if (!site_of_pixel) return sty_fail_memory(error, "engine analytic", (double)pixels * 4);
+  memset(site_of_pixel, 0xff, pixels * sizeof *site_of_pixel);
+  for (size_t s = 0; s < sites->count; s++) site_of_pixel[sites->pixels[s]] = (uint32_t)s;
+  Job job = {sites, lut, site_of_pixel};
+  const StyStatus status = sty_parallel_for(run, lut->size, build_row, &job, error);
+  free(site_of_pixel);
+  return status;
+}

@@ -1,0 +1,193 @@
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "stylut/lut.h"
+#include "stylut/parse.h"
+
+const char *const sty_encoding_names[] = {"f32", "rg16", "rg8x2", "rg8", NULL};
+
+static const uint32_t max16 = 65535, max8 = 255;
+
+uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum) {
+  /* round((pixel + 1/2) / side * maximum), in integers */
+  return (uint32_t)(((2 * (uint64_t)pixel + 1) * maximum + side) / (2 * (uint64_t)side));
+}
+
+uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum) {
+  const uint64_t pixel = (uint64_t)value * side / maximum;
+  return pixel < side ? (uint32_t)pixel : side - 1;
+}
+
+/* The four byte- or short-sized values of a texel under an integer encoding. */
+static void pack_texel(StyEncoding encoding, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t v[4]) {
+  const uint32_t maximum = encoding == STY_ENCODE_RG8 ? max8 : max16;
+  const uint32_t u16 = sty_encode_coordinate(x, width, maximum), v16 = sty_encode_coordinate(y, height, maximum);
+  if (encoding == STY_ENCODE_RG8X2) {
+    v[0] = u16 >> 8, v[1] = u16 & 255, v[2] = v16 >> 8, v[3] = v16 & 255;
+  } else {
+    v[0] = u16, v[1] = v16, v[2] = v[3] = 0;
+  }
+}
+
+static StyStatus describe_lut(const StyLut *lut, StyEncoding encoding, StyImage *image, StyError *error) {
+  char source[32];
+  snprintf(source, sizeof source, "%dx%d", lut->source_width, lut->source_height);
+  const char *const pairs[][2] = {
+      {"stylut:kind", "lut"},    {"stylut:encoding", sty_encoding_names[encoding]},
+      {"stylut:source", source}, {"stylut:sampling", sty_sampling_names[lut->sampling]},
+      {"stylut:metric", "xy"},   {"stylut:map", "xy"},
+  };
+  StyStatus status = STY_OK;
+  for (size_t i = 0; !status && i < sizeof pairs / sizeof *pairs; i++)
+    status = sty_set_attribute(image, pairs[i][0], pairs[i][1], error);
+  return status;
+}
+
+StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out, StyError *error) {
+  static const char *const float_names[] = {"u", "v", "error"}, *const integer_names[] = {"R", "G", "B", "A"};
+  const bool is_float = encoding == STY_ENCODE_F32;
+  const int bits = is_float ? 32 : encoding == STY_ENCODE_RG16 ? 16 : 8;
+  StyImage *image = NULL;
+  StyStatus status = sty_create_image(lut->size, lut->size, encoding == STY_ENCODE_RG8X2 ? 4 : 3,
+                                      is_float ? float_names : integer_names, bits, &image, error);
+  if (!status) status = describe_lut(lut, encoding, image, error);
+  if (status) {
+    sty_destroy_image(&image);
+    return status;
+  }
+  const size_t texels = sty_count_pixels(image);
+  const uint32_t width = (uint32_t)lut->source_width, height = (uint32_t)lut->source_height;
+  for (size_t t = 0; t < texels; t++) {
+    const uint32_t x = lut->pixels[t] % width, y = lut->pixels[t] / width;
+    if (is_float) {
+      image->data[t] = (float)(2 * x + 1) / (float)(2 * width);
+      image->data[texels + t] = (float)(2 * y + 1) / (float)(2 * height);
+      image->data[2 * texels + t] = lut->errors[t];
+    } else {
+      uint32_t v[4];
+      pack_texel(encoding, x, y, width, height, v);
+      for (int c = 0; c < image->channel_count; c++)
+        image->data[(size_t)c * texels + t] = (float)v[c] / (bits == 8 ? 255.0f : 65535.0f);
+    }
+  }
+  *out = image;
+  return STY_OK;
+}
+
+/* What kind of table an image is: from its attributes, else from its shape.
+ * `facts` holds what the caller knew and receives what the file says. */
+static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncoding *encoding, StyLutHints *facts,
+                               StyError *error) {
+  if (image->width != image->height || image->width > STY_MAX_LUT_SIZE)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a square LUT of at most %d", name,
+                    image->width, image->height, STY_MAX_LUT_SIZE);
+  int choice;
+  StyStatus status = STY_OK;
+  const char *text = sty_find_attribute(image, "stylut:encoding");
+  if (text) {
+    status = sty_parse_choice("stylut:encoding", text, sty_encoding_names, &choice, NULL);
+    *encoding = status ? STY_ENCODE_F32 : (StyEncoding)choice;
+  } else if (image->bits == 32) {
+    *encoding = STY_ENCODE_F32;
+  } else if (image->bits == 16) {
+    *encoding = STY_ENCODE_RG16;
+  } else {
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: found an 8-bit picture without a stylut:encoding attribute, expected a LUT that says whether "
+                    "it is rg8x2 or rg8",
+                    name);
+  }
+  if (status)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found encoding '%s', expected f32, rg16, rg8x2 or rg8", name, text);
+  text = sty_find_attribute(image, "stylut:sampling");
+  if (text && sty_parse_choice("stylut:sampling", text, sty_sampling_names, &choice, NULL))
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found sampling '%s', expected centre or unorm8", name, text);
+  if (text) facts->sampling = choice;
+  if (facts->sampling < 0) facts->sampling = STY_SAMPLE_CENTRE;
+  text = sty_find_attribute(image, "stylut:source");
+  if (text) {
+    int width, height;
+    if (sty_parse_size("stylut:source", text, STY_MAX_SIDE, &width, &height, NULL))
+      return sty_fail(error, STY_ERROR_INPUT, "%s: found source size '%s', expected WIDTHxHEIGHT", name, text);
+    if (facts->source_width && (width != facts->source_width || height != facts->source_height))
+      return sty_fail(error, STY_ERROR_INPUT, "%s: found a LUT for a source of %dx%d pixels, expected one for %dx%d",
+                      name, width, height, facts->source_width, facts->source_height);
+    facts->source_width = width;
+    facts->source_height = height;
+  }
+  if (!facts->source_width)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: found no stylut:source attribute, expected to know the size of the LUT's source", name);
+  return STY_OK;
+}
+
+/* The source coordinate of a float texel, or -1. */
+static long unpack_float(float u, int side) {
+  if (!(u >= 0 && u <= 1)) return -1;
+  const long x = (long)(u * (float)side);
+  return x < side ? x : side - 1;
+}
+
+static StyStatus decode_floats(const char *name, const float *u, const float *v, StyLut *lut, StyError *error) {
+  const size_t texels = (size_t)lut->size * (size_t)lut->size;
+  for (size_t t = 0; t < texels; t++) {
+    const long x = unpack_float(u[t], lut->source_width), y = unpack_float(v[t], lut->source_height);
+    if (x < 0 || y < 0)
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: found (%g, %g) at texel (%zu, %zu), expected coordinates from 0 to 1", name, (double)u[t],
+                      (double)v[t], t % (size_t)lut->size, t / (size_t)lut->size);
+    lut->pixels[t] = (uint32_t)(y * lut->source_width + x);
+  }
+  return STY_OK;
+}
+
+static void decode_integers(const float *const planes[4], StyEncoding encoding, StyLut *lut) {
+  const size_t texels = (size_t)lut->size * (size_t)lut->size;
+  const uint32_t width = (uint32_t)lut->source_width, height = (uint32_t)lut->source_height;
+  const uint32_t maximum = encoding == STY_ENCODE_RG8 ? max8 : max16;
+  const float scale = encoding == STY_ENCODE_RG16 ? 65535.0f : 255.0f;
+  for (size_t t = 0; t < texels; t++) {
+    uint32_t u = (uint32_t)lrintf(planes[0][t] * scale), v = (uint32_t)lrintf(planes[1][t] * scale);
+    if (encoding == STY_ENCODE_RG8X2) {
+      u = u << 8 | v;
+      v = (uint32_t)lrintf(planes[2][t] * scale) << 8 | (uint32_t)lrintf(planes[3][t] * scale);
+    }
+    lut->pixels[t] = sty_decode_coordinate(v, height, maximum) * width + sty_decode_coordinate(u, width, maximum);
+  }
+}
+
+StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHints *hints, StyLut **out,
+                         StyError *error) {
+  StyEncoding encoding = STY_ENCODE_F32;
+  StyLutHints facts = *hints;
+  StyStatus status = recognize_lut(name, image, &encoding, &facts, error);
+  if (status) return status;
+  static const char *const float_names[4] = {"u", "v", "error"}, *const integer_names[4] = {"R", "G", "B", "A"};
+  const bool is_float = encoding == STY_ENCODE_F32;
+  const int wanted = encoding == STY_ENCODE_RG8X2 ? 4 : 2, bits = is_float ? 32 : encoding == STY_ENCODE_RG16 ? 16 : 8;
+  const float *planes[4] = {NULL};
+  bool complete = image->bits == bits;
+  for (int c = 0; c < wanted; c++) {
+    planes[c] = sty_find_channel(image, is_float ? float_names[c] : integer_names[c]);
+    complete = complete && planes[c];
+  }
+  if (!complete)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected a %s LUT", name, image->bits,
+                    image->names[0], sty_encoding_names[encoding]);
+  StyLut *lut = NULL;
+  status =
+      sty_create_lut(image->width, (StySampling)facts.sampling, facts.source_width, facts.source_height, &lut, error);
+  if (status) return status;
+  const float *errors = is_float ? sty_find_channel(image, float_names[2]) : NULL;
+  if (errors) memcpy(lut->errors, errors, sty_count_pixels(image) * sizeof *errors);
+  if (is_float)
+    status = decode_floats(name, planes[0], planes[1], lut, error);
+  else
+    decode_integers(planes, encoding, lut);
+  if (status)
+    sty_destroy_lut(&lut);
+  else
+    *out = lut;
+  return status;
+}

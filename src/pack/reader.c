@@ -1,0 +1,188 @@
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stylut/pack.h"
+#include "stylut/parse.h"
+
+/* Where findings go: to the caller, and the first that counts to the message. */
+typedef struct Report {
+  const char *path;
+  void (*send)(void *context, const StyFinding *finding);
+  void *context;
+  StyStatus status;
+  StyError *error;
+} Report;
+
+static void add_finding(Report *report, StyFindingNumber number, const char *file, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+static void add_finding(Report *report, StyFindingNumber number, const char *file, const char *format, ...) {
+  StyFinding finding = {.number = number, .warning = number == STY_FINDING_BACKGROUND};
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(finding.text, sizeof finding.text, format, arguments);
+  va_end(arguments);
+  snprintf(finding.file, sizeof finding.file, "%s", file);
+  if (report->send) report->send(report->context, &finding);
+  if (finding.warning || report->status) return;
+  report->status = number == STY_FINDING_MISSING ? STY_ERROR_FILE : STY_ERROR_INPUT;
+  sty_fail(report->error, report->status, "%s/%s: %s", report->path, file, finding.text);
+}
+
+/* Messages from below begin with the full path; findings name the file already. */
+static const char *without_path(const char *text, const char *path) {
+  const size_t length = strlen(path);
+  return strncmp(text, path, length) == 0 && text[length] == ':' ? text + length + 1 + strspn(text + length + 1, " ")
+                                                                 : text;
+}
+
+static bool read_index(Report *report, StyDocument *index) {
+  char *path = sty_join_path(report->path, STY_BUNDLE_INDEX);
+  StyError cause;
+  const char *schema = NULL;
+  StyStatus status = path ? sty_read_document(path, index, &cause) : sty_fail_memory(&cause, report->path, 0);
+  if (!status) status = sty_get_string(index, NULL, index->root, "schema", 1, &schema, &cause);
+  if (!status && strcmp(schema, STY_BUNDLE_SCHEMA) != 0)
+    status = sty_fail_value(index, &(StyPath){NULL, "schema", 0}, json_object_get(index->root, "schema"),
+                            "\"" STY_BUNDLE_SCHEMA "\"", &cause);
+  const json_t *files = status ? NULL : json_object_get(index->root, "files");
+  if (!status && json_array_size(files) != STY_BUNDLE_FILES)
+    status = sty_fail_value(index, files ? &(StyPath){NULL, "files", 0} : NULL, files,
+                            "a list \"files\" of the five textures", &cause);
+  if (status) {
+    add_finding(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_INDEX, STY_BUNDLE_INDEX, "%s",
+                without_path(cause.text, path ? path : ""));
+    /* An index that can't be read is about the folder: a bundle is what was expected. */
+    if (status == STY_ERROR_FILE)
+      sty_fail(report->error, status, "%s: found no readable " STY_BUNDLE_INDEX " in it, expected a bundle folder",
+               report->path);
+  }
+  free(path);
+  return !status;
+}
+
+static void compare_with_index(Report *report, const StyDocument *index, int which, const char *path, size_t size) {
+  const char *name = sty_bundle_files[which], *wanted_hash = NULL;
+  const json_t *entry = json_array_get(json_object_get(index->root, "files"), (size_t)which);
+  const char *listed = json_string_value(json_object_get(entry, "name"));
+  wanted_hash = json_string_value(json_object_get(entry, "sha256"));
+  const json_int_t wanted_size = json_integer_value(json_object_get(entry, "bytes"));
+  if (!listed || strcmp(listed, name) != 0 || !wanted_hash) {
+    add_finding(report, STY_FINDING_INDEX, STY_BUNDLE_INDEX,
+                "found no entry with name and sha256 for %s at files[%d], expected one", name, which);
+    return;
+  }
+  if ((json_int_t)size != wanted_size) {
+    add_finding(report, STY_FINDING_SIZE, name, "found %zu bytes, expected %lld by the index", size,
+                (long long)wanted_size);
+    return;
+  }
+  char hash[STY_HASH_SIZE];
+  StyError cause;
+  if (sty_hash_file(path, hash, &cause))
+    add_finding(report, STY_FINDING_MISSING, name, "%s", without_path(cause.text, path));
+  else if (strcmp(hash, wanted_hash) != 0)
+    add_finding(report, STY_FINDING_HASH, name,
+                "found SHA-256 %.16s..., expected %.16s... by the index: the file was changed", hash, wanted_hash);
+}
+
+static bool map_files(Report *report, StyLoadedBundle *bundle) {
+  bool complete = true;
+  for (int i = 0; i < STY_BUNDLE_FILES; i++) {
+    char *path = sty_join_path(report->path, sty_bundle_files[i]);
+    StyError cause;
+    const StyStatus status =
+        path ? sty_map_file(path, &bundle->files[i], &cause) : sty_fail_memory(&cause, report->path, 0);
+    if (status) {
+      add_finding(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_TEXTURE, sty_bundle_files[i],
+                  "%s", without_path(cause.text, path ? path : ""));
+      complete = false;
+    } else {
+      compare_with_index(report, &bundle->index, i, path, bundle->files[i].size);
+    }
+    free(path);
+  }
+  return complete;
+}
+
+static bool open_view(Report *report, StyLoadedBundle *bundle) {
+  StyBlob blobs[STY_BUNDLE_FILES];
+  int culprit = 0;
+  for (int i = 0; i < STY_BUNDLE_FILES; i++) blobs[i] = (StyBlob){bundle->files[i].data, bundle->files[i].size};
+  const StyRuntimeStatus status = sty_open_bundle(blobs, &bundle->bundle, &culprit);
+  if (status == STY_RUNTIME_OK) return true;
+  const StyFindingNumber number = status == STY_RUNTIME_MISMATCH        ? STY_FINDING_MISMATCH
+                                  : status == STY_RUNTIME_BAD_PARAMETER ? STY_FINDING_PARAMETERS
+                                                                        : STY_FINDING_TEXTURE;
+  add_finding(report, number, sty_bundle_files[culprit], "found that %s, expected what stylut pack writes",
+              sty_describe_runtime_status(status));
+  return false;
+}
+
+/* LUT texels that point where nothing is painted; the runtime survives them. */
+static void check_luts(Report *report, const StyBundle *bundle) {
+  const StyTexture *luts = &bundle->textures[STY_BUNDLE_LUTS], *guides = &bundle->textures[STY_BUNDLE_GUIDES];
+  const size_t texels = (size_t)luts->width * luts->height, pixels = (size_t)guides->width * guides->height;
+  for (uint32_t layer = 0; layer < luts->layers; layer++) {
+    const unsigned char *lut = luts->texels + layer * texels * 4, *guide = guides->texels + layer * pixels * 4;
+    size_t background = 0;
+    for (size_t t = 0; t < texels; t++) {
+      const uint64_t u = lut[4 * t] | lut[4 * t + 1] << 8, v = lut[4 * t + 2] | lut[4 * t + 3] << 8;
+      size_t x = (size_t)(u * guides->width / 65535), y = (size_t)(v * guides->height / 65535);
+      if (x >= guides->width) x = guides->width - 1;
+      if (y >= guides->height) y = guides->height - 1;
+      background += guide[4 * (y * guides->width + x) + 3] == 0;
+    }
+    if (background)
+      add_finding(report, STY_FINDING_BACKGROUND, sty_bundle_files[STY_BUNDLE_LUTS],
+                  "found %zu texels of style %u that point at uncovered source pixels, expected none", background,
+                  layer + 1);
+  }
+}
+
+StyStatus sty_load_bundle(const char *path, void (*send)(void *context, const StyFinding *finding), void *context,
+                          StyLoadedBundle *out, StyError *error) {
+  Report report = {path, send, context, STY_OK, error};
+  StyLoadedBundle bundle;
+  memset(&bundle, 0, sizeof bundle);
+  if (read_index(&report, &bundle.index) && map_files(&report, &bundle) && open_view(&report, &bundle)) {
+    const size_t listed = json_array_size(json_object_get(bundle.index.root, "styles"));
+    const uint32_t styles = bundle.bundle.textures[STY_BUNDLE_PARAMS].width;
+    if (listed != styles)
+      add_finding(&report, STY_FINDING_STYLES, STY_BUNDLE_INDEX,
+                  "found %zu styles in the index, expected the %u of "
+                  "the textures",
+                  listed, styles);
+    check_luts(&report, &bundle.bundle);
+  }
+  if (report.status)
+    sty_unload_bundle(&bundle);
+  else
+    *out = bundle;
+  return report.status;
+}
+
+void sty_unload_bundle(StyLoadedBundle *bundle) {
+  for (int i = 0; i < STY_BUNDLE_FILES; i++) sty_unmap_file(&bundle->files[i]);
+  sty_close_document(&bundle->index);
+}
+
+StyStatus sty_find_style(const char *what, const char *text, const StyLoadedBundle *bundle, int *out, StyError *error) {
+  const json_t *styles = json_object_get(bundle->index.root, "styles");
+  const size_t count = json_array_size(styles);
+  for (size_t i = 0; i < count; i++) {
+    const char *name = json_string_value(json_object_get(json_array_get(styles, i), "name"));
+    if (name && strcmp(name, text) == 0) {
+      *out = (int)i + 1;
+      return STY_OK;
+    }
+  }
+  long long number;
+  if (sty_parse_integer(what, text, 1, (long long)count, &number, NULL))
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected a style's name or a number from 1 to %zu", what,
+                    text, count);
+  *out = (int)number;
+  return STY_OK;
+}

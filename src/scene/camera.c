@@ -1,0 +1,158 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "scene/vector.h"
+#include "stylut/parse.h"
+#include "stylut/scene.h"
+
+/* Distance that a perspective eye keeps from the scene, trace units, where a
+ * spike that fits the opening would otherwise touch it. */
+static const double CLEARANCE = 0.01;
+
+/* ---- views ---- */
+
+static StyStatus parse_angles(const char *what, const char *text, double *azimuth, double *elevation, StyError *error) {
+  const char *comma = strchr(text, ',');
+  char first[32];
+  if (!comma || (size_t)(comma - text) >= sizeof first)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "%s: found '%s', expected front, three-quarter, or AZIMUTH,ELEVATION in degrees", what, text);
+  snprintf(first, sizeof first, "%.*s", (int)(comma - text), text);
+  char name[128];
+  snprintf(name, sizeof name, "%s: azimuth", what);
+  StyStatus status = sty_parse_number(name, first, -360, 360, azimuth, error);
+  if (status != STY_OK) return status;
+  snprintf(name, sizeof name, "%s: elevation", what);
+  return sty_parse_number(name, comma + 1, -90, 90, elevation, error);
+}
+
+StyStatus sty_parse_view(const char *what, const char *text, StyView *view, StyError *error) {
+  double azimuth = 0, elevation = 0;
+  if (strcmp(text, "three-quarter") == 0) {
+    azimuth = 35;
+    elevation = 20;
+  } else if (strcmp(text, "front") != 0) {
+    StyStatus status = parse_angles(what, text, &azimuth, &elevation, error);
+    if (status != STY_OK) return status;
+  }
+  view->azimuth = azimuth;
+  view->elevation = elevation;
+  return STY_OK;
+}
+
+/* ---- fitting ---- */
+
+/* Exact at multiples of 90 degrees, so that axis-aligned views are axis-aligned. */
+static void get_sine_cosine(double degrees, double *sine, double *cosine) {
+  static const double SINES[4] = {0, 1, 0, -1};
+  const double quarters = degrees / 90;
+  if (quarters == floor(quarters)) {
+    const int q = (int)(quarters - 4 * floor(quarters / 4));
+    *sine = SINES[q];
+    *cosine = SINES[(q + 1) % 4];
+  } else {
+    *sine = sin(degrees * (M_PI / 180));
+    *cosine = cos(degrees * (M_PI / 180));
+  }
+}
+
+static void set_axes(const StyView *view, StyCamera *camera) {
+  double sa, ca, se, ce;
+  get_sine_cosine(view->azimuth, &sa, &ca);
+  get_sine_cosine(view->elevation, &se, &ce);
+  const double back[3] = {sa * ce, se, ca * ce}, right[3] = {ca, 0, -sa};
+  for (int k = 0; k < 3; k++) camera->back[k] = back[k], camera->right[k] = right[k];
+  cross_vectors(back, right, camera->up);
+}
+
+/* Vertex v in the view's axes. */
+static void get_view_position(const StyScene *scene, const StyCamera *camera, size_t v, double out[3]) {
+  const float *p = &scene->positions[3 * v];
+  const double at[3] = {p[0], p[1], p[2]};
+  out[0] = dot_vectors(at, camera->right);
+  out[1] = dot_vectors(at, camera->up);
+  out[2] = dot_vectors(at, camera->back);
+}
+
+static void place_eye(const double view_position[3], StyCamera *camera) {
+  for (int k = 0; k < 3; k++)
+    camera->eye[k] =
+        view_position[0] * camera->right[k] + view_position[1] * camera->up[k] + view_position[2] * camera->back[k];
+}
+
+/* The film holds the bounds; the eye's plane touches the nearest vertex. */
+static StyStatus fit_orthographic(const StyScene *scene, double share, double aspect, StyCamera *camera,
+                                  StyError *error) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (size_t v = 0; v < scene->vertex_count; v++) {
+    double at[3];
+    get_view_position(scene, camera, v, at);
+    for (int k = 0; k < 3; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+  }
+  const double half_width = (high[0] - low[0]) / 2, half_height = (high[1] - low[1]) / 2;
+  if (!(half_width > 0 || half_height > 0) || !isfinite(half_width + half_height))
+    return sty_fail(error, STY_ERROR_INPUT, "camera: the scene has no extent in this view");
+  camera->half_width = fmax(half_width, half_height * aspect) / share;
+  camera->half_height = fmax(half_height, half_width / aspect) / share;
+  place_eye((double[3]){(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]}, camera);
+  return STY_OK;
+}
+
+/* Vertex p is in the frustum of slope a when |p.x - e.x| <= a (e.z - p.z), and
+ * likewise for y: so e.z is at least half the sum of max(p.z + p.x/a) and
+ * max(p.z - p.x/a), and half their difference, times a, centres the eye. */
+static StyStatus fit_perspective(const StyScene *scene, double share, StyCamera *camera, StyError *error) {
+  const double slopes[2] = {camera->half_width * share, camera->half_height * share};
+  double plus[2] = {-INFINITY, -INFINITY}, minus[2] = {-INFINITY, -INFINITY}, nearest = -INFINITY;
+  for (size_t v = 0; v < scene->vertex_count; v++) {
+    double at[3];
+    get_view_position(scene, camera, v, at);
+    nearest = fmax(nearest, at[2]);
+    for (int k = 0; k < 2; k++) {
+      plus[k] = fmax(plus[k], at[2] + at[k] / slopes[k]);
+      minus[k] = fmax(minus[k], at[2] - at[k] / slopes[k]);
+    }
+  }
+  double eye[3] = {0, 0, nearest + CLEARANCE};
+  for (int k = 0; k < 2; k++) {
+    eye[k] = (plus[k] - minus[k]) / 2 * slopes[k];
+    eye[2] = fmax(eye[2], (plus[k] + minus[k]) / 2);
+  }
+  if (!isfinite(eye[0] + eye[1] + eye[2]))
+    return sty_fail(error, STY_ERROR_INPUT, "camera: the scene has no finite extent");
+  place_eye(eye, camera);
+  return STY_OK;
+}
+
+static StyStatus check_view(const StyView *view, int width, int height, StyError *error) {
+  if (width < 1 || height < 1)
+    return sty_fail(error, STY_ERROR_USAGE, "camera: found a picture of %d x %d pixels, expected at least 1 x 1", width,
+                    height);
+  if (!isfinite(view->azimuth) || !(fabs(view->elevation) <= 90))
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "camera: found azimuth %g and elevation %g, expected -90 to 90 for elevation", view->azimuth,
+                    view->elevation);
+  if (!(view->margin >= 0 && view->margin <= 0.45))
+    return sty_fail(error, STY_ERROR_USAGE, "camera: found margin %g, expected 0 to 0.45", view->margin);
+  if (view->perspective && !(view->fov >= 1 && view->fov <= 170))
+    return sty_fail(error, STY_ERROR_USAGE, "camera: found an opening of %g degrees, expected 1 to 170", view->fov);
+  return STY_OK;
+}
+
+StyStatus sty_fit_camera(const StyScene *scene, const StyView *view, int width, int height, StyCamera *out,
+                         StyError *error) {
+  StyStatus status = check_view(view, width, height, error);
+  if (status != STY_OK) return status;
+  const double share = 1 - 2 * view->margin, aspect = (double)width / height;
+  StyCamera camera = {.perspective = view->perspective};
+  set_axes(view, &camera);
+  if (view->perspective) {
+    camera.half_height = tan(view->fov * (M_PI / 360));
+    camera.half_width = camera.half_height * aspect;
+    status = fit_perspective(scene, share, &camera, error);
+  } else {
+    status = fit_orthographic(scene, share, aspect, &camera, error);
+  }
+  if (status == STY_OK) *out = camera;
+  return status;
+}

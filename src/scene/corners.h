@@ -1,0 +1,33 @@
+/* Triangle corners: a mesh before its vertices are shared. Corner 3*t+k is
+ * corner k of triangle t. */
+#ifndef STYLUT_SCENE_CORNERS_H
+#define STYLUT_SCENE_CORNERS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "stylut/status.h"
+
+/* At most this many triangles, so that a corner's number fits 32 bits. */
+#define STY_MAX_TRIANGLES ((size_t)1 << 28)
+
+/* Compared byte by byte: no NaN, no negative zero. */
+typedef struct StyCorner {
+  float position[3];
+  float normal[3]; /* all zero: not known yet */
+} StyCorner;
+
+/* Numbers the distinct corners from 0 in order of their first appearance:
+ * ids[i] for corner i. Only the first `size` bytes of a corner count, so that
+ * one can ask for positions alone. */
+StyStatus sty_number_corners(const StyCorner *corners, size_t count, size_t size, uint32_t *ids, size_t *distinct,
+                             StyError *error);
+
+/* Fills every corner normal that isn't known: the mean of the facet normals
+ * around the vertex, weighted by the facets' angles there (Thuermer and
+ * Wuethrich 1998), so that it doesn't depend on how faces are cut into
+ * triangles. Facets belong together when they share an edge that bends by at
+ * most `crease_angle` degrees. Triangles must have area. */
+StyStatus sty_smooth_corners(StyCorner *corners, size_t triangle_count, double crease_angle, StyError *error);
+
+#endif

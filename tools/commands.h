@@ -1,0 +1,15 @@
+/* The commands, one file each. argv[0] is "stylut NAME" for messages. */
+#ifndef STYLUT_TOOLS_COMMANDS_H
+#define STYLUT_TOOLS_COMMANDS_H
+
+#include "stylut/status.h"
+
+StyStatus run_guide(int argc, char **argv);
+StyStatus run_lut(int argc, char **argv);
+StyStatus run_check(int argc, char **argv);
+StyStatus run_pack(int argc, char **argv);
+StyStatus run_stylize(int argc, char **argv);
+StyStatus run_info(int argc, char **argv);
+StyStatus run_validate(int argc, char **argv);
+
+#endif

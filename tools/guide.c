@@ -1,0 +1,245 @@
+/* stylut guide sphere|scene */
+#include "stylut/guide.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "options.h"
+#include "stylut/image_io.h"
+#include "stylut/parse.h"
+
+typedef struct Arguments {
+  Options options;
+  const char *kind, *mesh;
+  int width, height;
+  unsigned groups;
+  int bits;
+  StyView view;
+  StyMeshOptions mesh_options;
+  bool flat;
+  const char *scene_only; /* an option that means nothing for a sphere */
+} Arguments;
+
+enum { KEY_VIEW = 0x200, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS };
+
+static const struct argp_option options_table[] = {
+    {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
+    {"channels", 'c', "LIST", 0,
+     "comma-separated: normal, depth, position, object, or all (default: normal,depth); A, the coverage, is always "
+     "there",
+     0},
+    {"bits", KEY_BITS, "8|16", 0, "precision of a PNG (default: 8)", 0},
+    {NULL, 0, NULL, 0, "For scenes:", 0},
+    {"view", KEY_VIEW, "VIEW", 0, "front, three-quarter, or AZIMUTH,ELEVATION in degrees (default: front)", 0},
+    {"camera", KEY_CAMERA, "KIND", 0, "orthographic or perspective (default: orthographic)", 0},
+    {"fov", KEY_FOV, "DEG", 0, "vertical opening of a perspective camera (default: 35)", 0},
+    {"margin", KEY_MARGIN, "SHARE", 0, "empty border, share of the picture's side (default: 0.05)", 0},
+    {"crease", KEY_CREASE, "DEG", 0,
+     "compute normals, smooth across edges up to DEG (default: the file's own, else 60)", 0},
+    {"flat", KEY_FLAT, NULL, 0, "facet normals", 0},
+    {0},
+};
+
+static StyStatus set_number(Options *options, const char *what, const char *text, double minimum, double maximum,
+                            double *out) {
+  return sty_parse_number(what, text, minimum, maximum, out, &options->error);
+}
+
+static StyStatus set_option(Arguments *arguments, int key, const char *text) {
+  static const char *const cameras[] = {"orthographic", "perspective", NULL};
+  static const char *const depths[] = {"8", "16", NULL};
+  Options *options = &arguments->options;
+  int choice = 0;
+  StyStatus status;
+  switch (key) {
+    case 's':
+      return sty_parse_size("--size", text, STY_MAX_SIDE, &arguments->width, &arguments->height, &options->error);
+    case 'c': return sty_parse_channels("--channels", text, &arguments->groups, &options->error);
+    case KEY_BITS:
+      status = sty_parse_choice("--bits", text, depths, &choice, &options->error);
+      arguments->bits = choice ? 16 : 8;
+      return status;
+    case KEY_VIEW:
+      arguments->scene_only = "--view";
+      return sty_parse_view("--view", text, &arguments->view, &options->error);
+    case KEY_CAMERA:
+      arguments->scene_only = "--camera";
+      status = sty_parse_choice("--camera", text, cameras, &choice, &options->error);
+      arguments->view.perspective = choice == 1;
+      return status;
+    case KEY_FOV:
+      arguments->scene_only = "--fov";
+      return set_number(options, "--fov", text, 1, 170, &arguments->view.fov);
+    case KEY_MARGIN:
+      arguments->scene_only = "--margin";
+      return set_number(options, "--margin", text, 0, 0.45, &arguments->view.margin);
+    case KEY_CREASE:
+      arguments->scene_only = "--crease";
+      return set_number(options, "--crease", text, 0, 180, &arguments->mesh_options.crease_angle);
+    default:
+      arguments->scene_only = "--flat";
+      arguments->flat = true;
+      return STY_OK;
+  }
+}
+
+static StyStatus check_arguments(Arguments *arguments) {
+  static const char *const kinds[] = {"sphere", "scene", NULL};
+  StyError *error = &arguments->options.error;
+  int kind;
+  const char *given = arguments->kind ? arguments->kind : "";
+  const StyStatus status = sty_parse_choice("guide", given, kinds, &kind, error);
+  if (status) return status;
+  if (kind == 1 && !arguments->mesh)
+    return sty_fail(error, STY_ERROR_USAGE, "guide scene: found no mesh, expected a file name");
+  if (kind == 0 && arguments->mesh)
+    return sty_fail(error, STY_ERROR_USAGE, "guide sphere: found '%s', expected nothing more", arguments->mesh);
+  if (kind == 0 && arguments->scene_only)
+    return sty_fail(error, STY_ERROR_USAGE, "option '%s': found with 'guide sphere', expected with 'guide scene' only",
+                    arguments->scene_only);
+  if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
+    return sty_fail(error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", arguments->width,
+                    arguments->height, STY_MAX_PIXELS);
+  return require_output(&arguments->options);
+}
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+  Arguments *arguments = state->input;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG:
+      if (!arguments->kind) {
+        arguments->kind = text;
+      } else if (!arguments->mesh) {
+        arguments->mesh = text;
+      } else {
+        return end_option(sty_fail(&arguments->options.error, STY_ERROR_USAGE,
+                                   "found '%s', expected nothing after '%s'", text, arguments->mesh));
+      }
+      return 0;
+    case ARGP_KEY_END: return end_option(check_arguments(arguments));
+    case 's':
+    case 'c':
+    case KEY_BITS:
+    case KEY_VIEW:
+    case KEY_CAMERA:
+    case KEY_FOV:
+    case KEY_MARGIN:
+    case KEY_CREASE:
+    case KEY_FLAT: return end_option(set_option(arguments, key, text));
+    default: return ARGP_ERR_UNKNOWN;
+  }
+}
+
+static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+    .options = options_table,
+    .parser = parse_option,
+    .args_doc = "sphere\nscene MESH",
+    .doc =
+        "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
+        "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
+        "fitted to it. FILE.exr holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+    .children = children,
+};
+
+/* What was done, for the report. */
+typedef struct Account {
+  size_t triangles, covered;
+  double read_ms, write_ms;
+  StyTraceTimes trace;
+} Account;
+
+static StyStatus render(Arguments *arguments, Account *account, StyImage **out) {
+  StyError *error = &arguments->options.error;
+  if (!arguments->mesh)
+    return sty_make_sphere_guide(arguments->width, arguments->height, arguments->groups, out, error);
+  StyScene *scene = NULL;
+  StyCamera camera;
+  const double start = get_milliseconds();
+  StyStatus status = sty_read_mesh(arguments->mesh, &arguments->mesh_options, &scene, error);
+  account->read_ms = get_milliseconds() - start;
+  if (!status) status = sty_fit_camera(scene, &arguments->view, arguments->width, arguments->height, &camera, error);
+  if (!status) {
+    const StyTraceOptions trace = {arguments->width, arguments->height, arguments->groups, arguments->flat};
+    account->triangles = scene->triangle_count;
+    const StyRun run = begin_progress(&arguments->options, "tracing");
+    if (!arguments->options.dry_run)
+      status = sty_trace_guide(scene, &camera, &trace, &run, &account->trace, out, error);
+    end_progress(&arguments->options);
+  }
+  sty_destroy_scene(&scene);
+  return status;
+}
+
+static StyStatus write_guide(Arguments *arguments, StyImage *guide) {
+  Options *options = &arguments->options;
+  const size_t length = strlen(options->output);
+  const bool png = length > 4 && strcmp(options->output + length - 4, ".png") == 0;
+  StyImage *encoded = NULL;
+  StyStatus status = png ? sty_encode_normals(guide, arguments->bits, &encoded, &options->error) : STY_OK;
+  StyImage *image = png ? encoded : guide;
+  if (!status)
+    status = add_history(options, "guide", image, &arguments->mesh, arguments->mesh ? 1 : 0, &options->error);
+  if (!status) status = sty_write_image(options->output, image, &options->error);
+  sty_destroy_image(&encoded);
+  return status;
+}
+
+static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
+  static const char *const stages[] = {"read", "build", "trace", "write"};
+  const double times[] = {account->read_ms, account->trace.build_ms, account->trace.trace_ms, account->write_ms};
+  const double pixels = (double)arguments->width * arguments->height;
+  const double rate = account->trace.trace_ms > 0 ? pixels / account->trace.trace_ms / 1e3 : 0;
+  if (arguments->options.json)
+    return print_json(json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size",
+                                arguments->width, arguments->height, "covered", (json_int_t)account->covered,
+                                "triangles", (json_int_t)account->triangles, "time_ms", pack_times(stages, times, 4),
+                                "mrays_per_s", rate, "peak_bytes", get_peak_bytes()),
+                      error);
+  if (arguments->options.quiet) return STY_OK;
+  printf("%s: %dx%d, %.1f %% covered\n", arguments->options.output, arguments->width, arguments->height,
+         100.0 * (double)account->covered / pixels);
+  if (arguments->mesh)
+    printf("%zu triangles; read %.0f ms, build %.0f ms, trace %.0f ms (%.1f million rays/s), write %.0f ms\n",
+           account->triangles, times[0], times[1], times[2], rate, times[3]);
+  return STY_OK;
+}
+
+static StyStatus run(Arguments *arguments) {
+  Account account = {0};
+  StyImage *guide = NULL;
+  StyStatus status = render(arguments, &account, &guide);
+  if (!status && arguments->options.dry_run) {
+    printf("would write %s: %dx%d from %zu triangles\n", arguments->options.output, arguments->width, arguments->height,
+           account.triangles);
+    sty_destroy_image(&guide);
+    return STY_OK;
+  }
+  if (!status) {
+    const float *covered = sty_find_channel(guide, "A");
+    for (size_t i = 0; i < sty_count_pixels(guide); i++) account.covered += covered[i] > 0;
+    const double start = get_milliseconds();
+    status = write_guide(arguments, guide);
+    account.write_ms = get_milliseconds() - start;
+  }
+  sty_destroy_image(&guide);
+  if (!status) status = print_report(arguments, &account, &arguments->options.error);
+  return status;
+}
+
+StyStatus run_guide(int argc, char **argv) {
+  Arguments arguments = {
+      .width = 512,
+      .height = 512,
+      .groups = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH,
+      .bits = 8,
+      .view = {.fov = 35, .margin = 0.05},
+      .mesh_options = {.crease_angle = -1},
+  };
+  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  if (!status && !arguments.options.helped) status = run(&arguments);
+  return finish_command(&arguments.options, status);
+}

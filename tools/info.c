@@ -1,0 +1,154 @@
+/* stylut info FILE: what a picture, table or bundle holds. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "commands.h"
+#include "options.h"
+#include "stylut/image_io.h"
+#include "stylut/pack.h"
+
+typedef struct Arguments {
+  Options options;
+  const char *file;
+} Arguments;
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+  Arguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  StyStatus status = STY_OK;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG:
+      if (arguments->file)
+        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->file);
+      arguments->file = text;
+      break;
+    case ARGP_KEY_END:
+      if (!arguments->file)
+        status = sty_fail(error, STY_ERROR_USAGE, "info: found no file, expected a picture, table or bundle");
+      break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return end_option(status);
+}
+
+static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+    .parser = parse_option,
+    .args_doc = "FILE",
+    .doc = "Says what a picture, guide, table or bundle holds: size, channels with their ranges, how it was made.",
+    .children = children,
+};
+
+/* ---- pictures ---- */
+
+typedef struct Range {
+  float minimum, maximum; /* over finite values */
+  size_t not_finite;
+} Range;
+
+static Range measure_channel(const float *plane, size_t pixels) {
+  Range range = {INFINITY, -INFINITY, 0};
+  for (size_t i = 0; i < pixels; i++) {
+    if (!isfinite(plane[i])) {
+      range.not_finite++;
+      continue;
+    }
+    if (plane[i] < range.minimum) range.minimum = plane[i];
+    if (plane[i] > range.maximum) range.maximum = plane[i];
+  }
+  if (range.not_finite == pixels) range.minimum = range.maximum = 0;
+  return range;
+}
+
+static json_t *describe_image(const StyImage *image) {
+  const size_t pixels = sty_count_pixels(image);
+  json_t *channels = json_array(), *attributes = json_object();
+  for (int c = 0; c < image->channel_count; c++) {
+    const Range range = measure_channel(image->data + (size_t)c * pixels, pixels);
+    json_array_append_new(channels,
+                          json_pack("{s:s, s:f, s:f, s:I}", "name", image->names[c], "minimum", (double)range.minimum,
+                                    "maximum", (double)range.maximum, "not_finite", (json_int_t)range.not_finite));
+  }
+  for (int i = 0; i < image->attribute_count; i++)
+    json_object_set_new(attributes, image->attributes[i].name, json_string(image->attributes[i].value));
+  return json_pack("{s:s, s:[ii], s:i, s:o, s:o}", "schema", "stylut-info/1", "size", image->width, image->height,
+                   "bits", image->bits, "channels", channels, "attributes", attributes);
+}
+
+static void print_image(const char *path, const json_t *report) {
+  const json_t *size = json_object_get(report, "size"), *channels = json_object_get(report, "channels"), *value;
+  const char *key;
+  size_t i;
+  printf("%s: %lldx%lld pixels, %lld-bit %s\n", path, json_integer_value(json_array_get(size, 0)),
+         json_integer_value(json_array_get(size, 1)), json_integer_value(json_object_get(report, "bits")),
+         json_integer_value(json_object_get(report, "bits")) == 32 ? "float" : "integer");
+  json_array_foreach(channels, i, value) {
+    const long long odd = json_integer_value(json_object_get(value, "not_finite"));
+    printf("  %-14s %g to %g", json_string_value(json_object_get(value, "name")),
+           json_real_value(json_object_get(value, "minimum")), json_real_value(json_object_get(value, "maximum")));
+    if (odd) printf(", %lld not finite", odd);
+    putchar('\n');
+  }
+  json_object_foreach(json_object_get(report, "attributes"), key, value)
+      printf("  %s = %s\n", key, json_string_value(value));
+}
+
+static StyStatus show_image(const Arguments *arguments, StyError *error) {
+  StyImage *image = NULL;
+  const StyStatus status = sty_read_image(arguments->file, &image, error);
+  if (status) return status;
+  json_t *report = describe_image(image);
+  sty_destroy_image(&image);
+  if (arguments->options.json) return print_json(report, error);
+  print_image(arguments->file, report);
+  json_decref(report);
+  return STY_OK;
+}
+
+/* ---- bundles ---- */
+
+static void print_bundle(const char *path, const StyLoadedBundle *loaded) {
+  const StyTexture *textures = loaded->bundle.textures;
+  const json_t *styles = json_object_get(loaded->index.root, "styles"), *style;
+  size_t i;
+  printf("%s: bundle of %zu style(s)\n", path, json_array_size(styles));
+  for (int t = 0; t < STY_BUNDLE_FILES; t++)
+    printf("  %-15s %ux%u, %u layer(s), %zu bytes\n", sty_bundle_files[t], textures[t].width, textures[t].height,
+           textures[t].layers, loaded->files[t].size);
+  json_array_foreach(styles, i, style) {
+    StyStyle p;
+    if (sty_get_style(&loaded->bundle, (int)i + 1, &p)) continue;
+    const char *name = json_string_value(json_object_get(style, "name"));
+    printf("  style %zu '%s': threshold %d, top level %d, radius %d, depth tolerance %g, %s table\n", i + 1,
+           name ? name : "", p.threshold, p.top_level, p.radius, (double)p.depth_tolerance,
+           p.flags & STY_FLAG_UNORM8 ? "unorm8" : "centre");
+  }
+}
+
+static StyStatus show_bundle(const Arguments *arguments, StyError *error) {
+  StyLoadedBundle bundle;
+  StyStatus status = sty_load_bundle(arguments->file, NULL, NULL, &bundle, error);
+  if (status) return status;
+  if (arguments->options.json)
+    status = print_json(json_incref(bundle.index.root), error);
+  else
+    print_bundle(arguments->file, &bundle);
+  sty_unload_bundle(&bundle);
+  return status;
+}
+
+StyStatus run_info(int argc, char **argv) {
+  Arguments arguments = {.file = NULL};
+  StyError *error = &arguments.options.error;
+  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  struct stat info;
+  if (!status && !arguments.options.helped) {
+    const bool is_folder = stat(arguments.file, &info) == 0 && S_ISDIR(info.st_mode);
+    status = is_folder ? show_bundle(&arguments, error) : show_image(&arguments, error);
+  }
+  return finish_command(&arguments.options, status);
+}

@@ -1,0 +1,194 @@
+/* stylut lut GUIDE */
+#include "stylut/lut.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "inputs.h"
+#include "options.h"
+#include "stylut/image_io.h"
+#include "stylut/parse.h"
+
+typedef struct Arguments {
+  Options options;
+  const char *guide;
+  int size;
+  const char *engine_name;
+  const StyEngine *engine;
+  int sampling;
+  int encoding; /* a StyEncoding, or -1: by the output's ending */
+} Arguments;
+
+enum { KEY_SAMPLING = 0x200, KEY_ENCODING };
+
+static const struct argp_option options_table[] = {
+    {"size", 's', "N", 0, "texels a side (default: 256)", 0},
+    {"engine", 'e', "NAME", 0, "brute, analytic, flann-single, or auto: the fastest exact one (default: auto)", 0},
+    {"sampling", KEY_SAMPLING, "KIND", 0,
+     "centre: texels answer for their centres; unorm8: for byte values, exactly (default: centre)", 0},
+    {"encoding", KEY_ENCODING, "KIND", 0, "f32 (EXR), rg16, rg8x2 or rg8 (PNG) (default: f32 for .exr, rg16 for .png)",
+     0},
+    {0},
+};
+
+static bool ends_in_exr(const char *path) {
+  const size_t length = strlen(path);
+  return length > 4 && strcmp(path + length - 4, ".exr") == 0;
+}
+
+static StyStatus check_arguments(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  if (!arguments->guide) return sty_fail(error, STY_ERROR_USAGE, "lut: found no guide, expected a file name");
+  StyStatus status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
+  if (!status) status = require_output(&arguments->options);
+  if (status) return status;
+  const bool exr = ends_in_exr(arguments->options.output);
+  if (arguments->encoding < 0) arguments->encoding = exr ? STY_ENCODE_F32 : STY_ENCODE_RG16;
+  if (exr != (arguments->encoding == STY_ENCODE_F32))
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--encoding: found %s for %s, expected f32 for .exr and the others for .png",
+                    sty_encoding_names[arguments->encoding], arguments->options.output);
+  return STY_OK;
+}
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+  Arguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  long long number = arguments->size;
+  StyStatus status = STY_OK;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG:
+      if (arguments->guide)
+        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->guide);
+      arguments->guide = text;
+      break;
+    case ARGP_KEY_END: status = check_arguments(arguments); break;
+    case 's':
+      status = sty_parse_integer("--size", text, 1, STY_MAX_LUT_SIZE, &number, error);
+      arguments->size = (int)number;
+      break;
+    case 'e': arguments->engine_name = text; break;
+    case KEY_SAMPLING:
+      status = sty_parse_choice("--sampling", text, sty_sampling_names, &arguments->sampling, error);
+      break;
+    case KEY_ENCODING:
+      status = sty_parse_choice("--encoding", text, sty_encoding_names, &arguments->encoding, error);
+      break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return end_option(status);
+}
+
+static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+    .options = options_table,
+    .parser = parse_option,
+    .args_doc = "GUIDE",
+    .doc =
+        "Builds the look-up table of a guide: for every normal, the source pixel whose normal is nearest.\v"
+        "GUIDE is an EXR with channel normal.X .Y .Z, or an 8- or 16-bit normal map. All exact engines give the "
+        "same bytes.",
+    .children = children,
+};
+
+typedef struct Account {
+  size_t points, unique;
+  double mean_error, max_error; /* guide units, feasible texels */
+  double times[3];              /* read, build, write */
+} Account;
+
+static void measure_errors(const StyLut *lut, Account *account) {
+  size_t feasible = 0;
+  double sum = 0;
+  for (int j = 0; j < lut->size; j++)
+    for (int i = 0; i < lut->size; i++) {
+      float g[2];
+      sty_get_texel_value(lut, i, j, g);
+      if (g[0] * g[0] + g[1] * g[1] > 1) continue;
+      const double distance = lut->errors[(size_t)j * (size_t)lut->size + (size_t)i];
+      feasible++;
+      sum += distance;
+      if (distance > account->max_error) account->max_error = distance;
+    }
+  account->mean_error = feasible ? sum / (double)feasible : 0;
+}
+
+static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
+  static const char *const stages[] = {"read", "build", "write"};
+  const double level = 2.0 / 255.0;
+  if (arguments->options.json)
+    return print_json(
+        json_pack("{s:s, s:s, s:i, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema", "stylut-lut/1", "engine",
+                  arguments->engine->name, "size", arguments->size, "sampling", sty_sampling_names[arguments->sampling],
+                  "encoding", sty_encoding_names[arguments->encoding], "points", (json_int_t)account->points, "unique",
+                  (json_int_t)account->unique, "mean_distance", account->mean_error, "max_distance", account->max_error,
+                  "time_ms", pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes()),
+        error);
+  if (arguments->options.quiet) return STY_OK;
+  printf("%s: %dx%d texels from %zu source pixels, %zu distinct values\n", arguments->options.output, arguments->size,
+         arguments->size, account->points, account->unique);
+  printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
+         account->mean_error / level, account->max_error / level);
+  printf("read %.1f ms, build %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
+         account->times[2], get_peak_bytes() / 1e6);
+  return STY_OK;
+}
+
+static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyError *error) {
+  StyImage *image = NULL;
+  StyStatus status = sty_encode_lut(lut, (StyEncoding)arguments->encoding, &image, error);
+  if (!status) status = add_history(&arguments->options, "lut", image, &arguments->guide, 1, error);
+  if (!status) status = sty_write_image(arguments->options.output, image, error);
+  sty_destroy_image(&image);
+  return status;
+}
+
+static StyStatus run(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  Account account = {0};
+  StyImage *guide = NULL;
+  StySites *sites = NULL;
+  StyLut *lut = NULL;
+  const double start = get_milliseconds();
+  StyStatus status = read_guide(arguments->guide, &guide, error);
+  if (!status) status = sty_collect_sites(arguments->guide, guide, &sites, error);
+  sty_destroy_image(&guide);
+  const double read = get_milliseconds();
+  if (!status && arguments->options.dry_run) {
+    printf("would write %s: %dx%d texels from %zu distinct values with engine %s\n", arguments->options.output,
+           arguments->size, arguments->size, sites->count, arguments->engine->name);
+    sty_destroy_sites(&sites);
+    return STY_OK;
+  }
+  if (!status) {
+    const StyRun job = begin_progress(&arguments->options, "searching");
+    status =
+        sty_build_lut(sites, arguments->engine, arguments->size, (StySampling)arguments->sampling, &job, &lut, error);
+    end_progress(&arguments->options);
+  }
+  const double built = get_milliseconds();
+  if (!status) {
+    account.points = sites->point_count;
+    account.unique = sites->count;
+    measure_errors(lut, &account);
+    const double before = get_milliseconds();
+    status = write_lut(arguments, lut, error);
+    account.times[0] = read - start;
+    account.times[1] = built - read;
+    account.times[2] = get_milliseconds() - before;
+  }
+  sty_destroy_sites(&sites);
+  sty_destroy_lut(&lut);
+  if (!status) status = print_report(arguments, &account, error);
+  return status;
+}
+
+StyStatus run_lut(int argc, char **argv) {
+  Arguments arguments = {.size = 256, .engine_name = "auto", .encoding = -1};
+  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  if (!status && !arguments.options.helped) status = run(&arguments);
+  return finish_command(&arguments.options, status);
+}

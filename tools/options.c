@@ -1,0 +1,279 @@
+#include "options.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "stylut/file.h"
+#include "stylut/parse.h"
+
+enum { KEY_FORMAT = 0x100, KEY_PROGRESS, KEY_DRY_RUN, KEY_NO_HISTORY, KEY_SEED };
+
+static const char *const progress_modes[] = {"auto", "bar", "json", "none", NULL};
+enum { PROGRESS_AUTO, PROGRESS_BAR, PROGRESS_JSON, PROGRESS_NONE };
+
+static const int largest_thread_count = 1024;
+
+/* ---- groups ---- */
+
+static error_t parse_common(int key, char *argument, struct argp_state *state) {
+  static const char *const formats[] = {"text", "json", NULL};
+  Options *options = state->input;
+  long long number;
+  int choice;
+  StyStatus status = STY_OK;
+  switch (key) {
+    case 'j':
+      status = sty_parse_integer("--threads", argument, 1, largest_thread_count, &number, &options->error);
+      if (!status) options->threads = (int)number;
+      break;
+    case 'q': options->quiet = true; break;
+    case 'v': options->verbose = true; break;
+    case KEY_FORMAT:
+      status = sty_parse_choice("--format", argument, formats, &choice, &options->error);
+      if (!status) options->json = choice == 1;
+      break;
+    case KEY_PROGRESS:
+      status = sty_parse_choice("--progress", argument, progress_modes, &options->progress, &options->error);
+      break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return end_option(status);
+}
+
+static const struct argp_option common_options[] = {
+    {NULL, 0, NULL, 0, "Common options:", 90},
+    {"threads", 'j', "N", 0, "use N threads (default: one per core); the result is the same for any number", 0},
+    {"quiet", 'q', NULL, 0, "print nothing but errors", 0},
+    {"verbose", 'v', NULL, 0, "say more", 0},
+    {"format", KEY_FORMAT, "text|json", 0, "how results are printed (default: text)", 0},
+    {"progress", KEY_PROGRESS, "auto|bar|json|none", 0,
+     "progress of long work on stderr (default: a bar on a terminal)", 0},
+    {"help", '?', NULL, 0, "print this and do nothing", 0},
+    {0},
+};
+
+const struct argp common_argp = {.options = common_options, .parser = parse_common};
+
+static error_t parse_output(int key, char *argument, struct argp_state *state) {
+  Options *options = state->input;
+  switch (key) {
+    case 'o': options->output = argument; break;
+    case KEY_DRY_RUN: options->dry_run = true; break;
+    case KEY_NO_HISTORY: options->no_history = true; break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return 0;
+}
+
+static const struct argp_option output_options[] = {
+    {NULL, 0, NULL, 0, "Output options:", 80},
+    {"output", 'o', "FILE", 0, "where the result goes; it appears whole or not at all", 0},
+    {"dry-run", KEY_DRY_RUN, NULL, 0, "check the inputs and say what would be done; write nothing", 0},
+    {"no-history", KEY_NO_HISTORY, NULL, 0, "leave version, command and input hashes out of the file", 0},
+    {0},
+};
+
+const struct argp output_argp = {.options = output_options, .parser = parse_output};
+
+static error_t parse_seed(int key, char *argument, struct argp_state *state) {
+  Options *options = state->input;
+  if (key != KEY_SEED) return ARGP_ERR_UNKNOWN;
+  long long number;
+  begin_option(key, argument, state);
+  const StyStatus status = sty_parse_integer("--seed", argument, 0, INT64_MAX, &number, &options->error);
+  if (!status) options->seed = (uint64_t)number;
+  return end_option(status);
+}
+
+static const struct argp_option seed_options[] = {
+    {"seed", KEY_SEED, "N", 0, "seed of everything random (default: 0)", 70},
+    {0},
+};
+
+const struct argp seed_argp = {.options = seed_options, .parser = parse_seed};
+
+/* ---- parsing ---- */
+
+static const struct argp_option *find_option(const struct argp *argp, int key) {
+  for (const struct argp_option *o = argp->options; o && (o->name || o->doc); o++)
+    if (o->name && o->key == key) return o;
+  return NULL;
+}
+
+/* Appends " --name=value" or " value". */
+static void record(Options *options, const char *name, const char *value) {
+  char *grown = NULL;
+  const char *so_far = options->history ? options->history : "";
+  if (asprintf(&grown, "%s%s%s%s%s", so_far, *so_far ? " " : "", name ? "--" : "", name ? name : "",
+               value ? (name ? "=" : "") : "") < 0)
+    return;
+  char *whole = NULL;
+  if (asprintf(&whole, "%s%s", grown, value ? value : "") >= 0) {
+    free(options->history);
+    options->history = whole;
+  }
+  free(grown);
+}
+
+void begin_option(int key, const char *argument, const struct argp_state *state) {
+  Options *options = state->input;
+  if (key == ARGP_KEY_INIT) {
+    const struct argp_child *children = state->root_argp->children;
+    for (int i = 0; children && children[i].argp; i++) state->child_inputs[i] = state->input;
+    return;
+  }
+  if (key == ARGP_KEY_ERROR) {
+    options->stopped_at = state->next;
+    return;
+  }
+  if (key == ARGP_KEY_ARG) {
+    record(options, NULL, argument);
+    return;
+  }
+  const struct argp_option *option = find_option(state->root_argp, key);
+  if (!option && key == KEY_SEED) option = find_option(&seed_argp, key);
+  if (option) record(options, option->name, argument);
+}
+
+error_t end_option(StyStatus status) { return status ? EINVAL : 0; }
+
+/* argp's own messages come in two lines and in its own words; this is ours. */
+static StyStatus explain_option(const struct argp *argp, const char *program, const char *given, StyError *error) {
+  const struct argp *groups[] = {argp, &common_argp, &output_argp, &seed_argp};
+  const size_t length = strcspn(given, "=");
+  for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
+    for (const struct argp_option *o = groups[g]->options; o && (o->name || o->doc); o++) {
+      const bool is_long = o->name && strncmp(given, "--", 2) == 0 && strlen(o->name) == length - 2 &&
+                           strncmp(given + 2, o->name, length - 2) == 0;
+      const bool is_short = given[0] == '-' && given[1] != '-' && given[1] == o->key && length == 2;
+      if ((is_long || is_short) && o->arg && !given[length])
+        return sty_fail(error, STY_ERROR_USAGE, "option '%s': found no value, expected %s", given, o->arg);
+      if ((is_long || is_short) && !o->arg && given[length])
+        return sty_fail(error, STY_ERROR_USAGE, "option '%s': found a value, expected none", given);
+    }
+  return sty_fail(error, STY_ERROR_USAGE, "found '%s', expected an option that '%s --help' lists", given, program);
+}
+
+StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *arguments) {
+  Options *options = arguments;
+  /* Told to keep its own messages to itself, argp keeps its help to itself too. */
+  for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
+    if (strcmp(argv[i], "--help") != 0 && strcmp(argv[i], "-?") != 0) continue;
+    argp_help(argp, stdout, ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, argv[0]);
+    options->helped = true;
+    return STY_OK;
+  }
+  if (argp_parse(argp, argc, argv, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, arguments) == 0) return STY_OK;
+  if (options->error.status) return options->error.status;
+  const int next = options->stopped_at;
+  return explain_option(argp, argv[0], next > 0 && next <= argc ? argv[next - 1] : "", &options->error);
+}
+
+StyStatus require_output(Options *options) {
+  if (options->output) return STY_OK;
+  return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");
+}
+
+StyStatus finish_command(Options *options, StyStatus status) {
+  if (status && status < STY_CHECK_FAILED) fprintf(stderr, "stylut: error: %s\n", options->error.text);
+  free(options->history);
+  options->history = NULL;
+  /* A full disk behind stdout must not pass for success. */
+  if (fflush(stdout) != 0 && !status) {
+    fprintf(stderr, "stylut: error: standard output: cannot write: %s; expected room for the report\n",
+            strerror(errno));
+    return STY_ERROR_FILE;
+  }
+  return status;
+}
+
+/* ---- progress ---- */
+
+typedef struct Bar {
+  const char *stage;
+  bool json;
+  int shown; /* percent; -1 for none */
+} Bar;
+
+static Bar bar = {NULL, false, -1};
+
+static void show_progress(void *context, double done) {
+  Bar *b = context;
+  const int percent = (int)(done * 100);
+  if (percent == b->shown) return;
+  b->shown = percent;
+  if (b->json) {
+    fprintf(stderr, "{\"stage\": \"%s\", \"percent\": %d}\n", b->stage, percent);
+    return;
+  }
+  char line[31] = "..............................";
+  memset(line, '#', (size_t)(percent * 30 / 100));
+  fprintf(stderr, "\r%-10s [%s] %3d %%", b->stage, line, percent);
+}
+
+StyRun begin_progress(const Options *options, const char *stage) {
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  const bool wanted = options->progress == PROGRESS_BAR || options->progress == PROGRESS_JSON ||
+                      (options->progress == PROGRESS_AUTO && terminal && !options->quiet);
+  bar = (Bar){stage, options->progress == PROGRESS_JSON, -1};
+  return (StyRun){options->threads, wanted ? show_progress : NULL, &bar};
+}
+
+void end_progress(const Options *options) {
+  (void)options;
+  if (bar.shown >= 0 && !bar.json) fprintf(stderr, "\r\033[K");
+  bar.shown = -1;
+}
+
+/* ---- reports ---- */
+
+double get_milliseconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+double get_peak_bytes(void) {
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return (double)usage.ru_maxrss * 1024;
+}
+
+StyStatus print_json(json_t *report, StyError *error) {
+  const int failed = !report || json_dumpf(report, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) != 0;
+  json_decref(report);
+  if (failed) return sty_fail(error, STY_ERROR_FILE, "standard output: cannot write the report");
+  putchar('\n');
+  return STY_OK;
+}
+
+json_t *pack_times(const char *const *stages, const double *milliseconds, int count) {
+  json_t *times = json_object();
+  for (int i = 0; i < count; i++)
+    json_object_set_new(times, stages[i], json_real((double)(long long)(milliseconds[i] * 1e3 + 0.5) / 1e3));
+  return times;
+}
+
+StyStatus add_history(const Options *options, const char *command, StyImage *image, const char *const *inputs,
+                      int input_count, StyError *error) {
+  if (options->no_history) return STY_OK;
+  char *line = NULL;
+  if (asprintf(&line, "stylut %s%s%s", command, options->history ? " " : "", options->history ? options->history : "") <
+      0)
+    return sty_fail_memory(error, "history", 0);
+  StyStatus status = sty_set_attribute(image, "stylut:version", STY_VERSION, error);
+  if (!status) status = sty_set_attribute(image, "stylut:command", line, error);
+  free(line);
+  for (int i = 0; !status && i < input_count; i++) {
+    char name[32], value[STY_HASH_SIZE];
+    snprintf(name, sizeof name, "stylut:input%d", i + 1);
+    status = sty_hash_file(inputs[i], value, error);
+    if (!status) status = sty_set_attribute(image, name, value, error);
+  }
+  return status;
+}

@@ -1,0 +1,73 @@
+/* What all commands share: option groups that read the same everywhere, the
+ * message line, progress, and what a written file says about its making. */
+#ifndef STYLUT_TOOLS_OPTIONS_H
+#define STYLUT_TOOLS_OPTIONS_H
+
+#include <argp.h>
+#include <jansson.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "stylut/image.h"
+#include "stylut/parallel.h"
+
+/* First member of every command's own arguments. */
+typedef struct Options {
+  const char *output;
+  int threads; /* 0: one per core */
+  bool quiet, verbose;
+  bool json;
+  int progress; /* index of progress_modes */
+  bool dry_run, no_history;
+  uint64_t seed;
+  bool helped;    /* --help was given and answered: nothing is left to do */
+  int stopped_at; /* where in argv parsing failed */
+  char *history;  /* the options that shape the result, in canonical form */
+  StyError error;
+} Options;
+
+/* Groups, to be named as argp children; a command's ARGP_KEY_INIT hands them its
+ * arguments through begin_option(). */
+extern const struct argp common_argp; /* -j -q -v --format --progress */
+extern const struct argp output_argp; /* -o --dry-run --no-history */
+extern const struct argp seed_argp;   /* --seed */
+
+/* To be called first in every command's parser: passes the arguments on to the
+ * groups and records what shapes the result. */
+void begin_option(int key, const char *argument, const struct argp_state *state);
+
+/* The parser's result for a status: argp stops at anything but 0. */
+error_t end_option(StyStatus status);
+
+/* Parses a command line into `arguments` (which begin with Options). On failure
+ * options.error is filled. */
+StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *arguments);
+
+/* "-o FILE is missing" for commands that write. */
+StyStatus require_output(Options *options);
+
+/* Prints the line for a failed command and frees what Options hold. */
+StyStatus finish_command(Options *options, StyStatus status);
+
+/* Threads and progress for long work; `stage` is shown. End with end_progress. */
+StyRun begin_progress(const Options *options, const char *stage);
+void end_progress(const Options *options);
+
+/* Milliseconds of a clock that only goes forward. */
+double get_milliseconds(void);
+
+/* Largest resident memory of this process so far, bytes. */
+double get_peak_bytes(void);
+
+/* Prints to stdout; frees `report`. */
+StyStatus print_json(json_t *report, StyError *error);
+
+/* {"stage": milliseconds, ...} from parallel lists, rounded to microseconds. */
+json_t *pack_times(const char *const *stages, const double *milliseconds, int count);
+
+/* Puts version, command and the inputs' hashes into an image to be written,
+ * unless --no-history was given. `inputs` are file names. */
+StyStatus add_history(const Options *options, const char *command, StyImage *image, const char *const *inputs,
+                      int input_count, StyError *error);
+
+#endif

@@ -1,0 +1,304 @@
+/* stylut stylize BUNDLE --guide FRAME -o OUT.png: the runtime on one frame. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "inputs.h"
+#include "options.h"
+#include "stylut/image_io.h"
+#include "stylut/pack.h"
+#include "stylut/parse.h"
+#include "stylut/runtime.h"
+
+typedef struct Arguments {
+  Options options;
+  const char *bundle, *guide, *style, *nnf, *chunks;
+  int bits;
+} Arguments;
+
+enum { KEY_GUIDE = 0x200, KEY_STYLE, KEY_NNF, KEY_CHUNKS, KEY_BITS };
+
+static const struct argp_option options_table[] = {
+    {"guide", KEY_GUIDE, "FRAME", 0, "guide of the frame: EXR, or an 8- or 16-bit normal map", 0},
+    {"style", KEY_STYLE, "N|NAME", 0, "style, by number or name (default: the guide's style.I channel, else 1)", 0},
+    {"bits", KEY_BITS, "8|16", 0, "precision of the picture (default: 8)", 0},
+    {"nnf", KEY_NNF, "FILE.png", 0,
+     "write the nearest-neighbour field: 16 bit, R = source x, G = source y, A = covered", 0},
+    {"chunks", KEY_CHUNKS, "FILE.png", 0, "write the chunks: one colour for each piece copied as a whole", 0},
+    {0},
+};
+
+static StyStatus check_arguments(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  if (!arguments->bundle) return sty_fail(error, STY_ERROR_USAGE, "stylize: found no bundle, expected a folder");
+  if (!arguments->guide)
+    return sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
+  return require_output(&arguments->options);
+}
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+  static const char *const depths[] = {"8", "16", NULL};
+  Arguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  StyStatus status = STY_OK;
+  int choice = 0;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG:
+      if (arguments->bundle)
+        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->bundle);
+      arguments->bundle = text;
+      break;
+    case ARGP_KEY_END: status = check_arguments(arguments); break;
+    case KEY_GUIDE: arguments->guide = text; break;
+    case KEY_STYLE: arguments->style = text; break;
+    case KEY_NNF: arguments->nnf = text; break;
+    case KEY_CHUNKS: arguments->chunks = text; break;
+    case KEY_BITS:
+      status = sty_parse_choice("--bits", text, depths, &choice, error);
+      arguments->bits = choice ? 16 : 8;
+      break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return end_option(status);
+}
+
+static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+    .options = options_table,
+    .parser = parse_option,
+    .args_doc = "BUNDLE --guide FRAME -o OUT.png",
+    .doc =
+        "Dresses a frame in a bundle's style: each pixel takes a piece of the exemplar whose surface faces the same "
+        "way.\vThe picture's alpha is the frame's coverage times the exemplar's alpha.",
+    .children = children,
+};
+
+/* A frame and all that is computed for it. */
+typedef struct Work {
+  const StyBundle *bundle;
+  StyFrame frame;
+  uint8_t *guide, *styles;
+  float *fine, *depth;
+  StyMatch *matches;
+  int bits;
+  void *picture;
+} Work;
+
+static void destroy_work(Work *work) {
+  free(work->guide);
+  free(work->styles);
+  free(work->fine);
+  free(work->depth);
+  free(work->matches);
+  free(work->picture);
+}
+
+static StyStatus allocate_work(Work *work, const StyImage *image, StyError *error) {
+  const size_t pixels = sty_count_pixels(image);
+  const bool fine = image->bits > 8, depth = sty_find_channel(image, "depth.Z"), styles = work->frame.style == 0;
+  work->guide = malloc(4 * pixels);
+  work->matches = malloc(pixels * sizeof *work->matches);
+  work->picture = malloc(pixels * 4 * (size_t)work->bits / 8);
+  if (fine) work->fine = malloc(2 * pixels * sizeof *work->fine);
+  if (depth) work->depth = malloc(pixels * sizeof *work->depth);
+  if (styles) work->styles = malloc(pixels);
+  if (!work->guide || !work->matches || !work->picture || (fine && !work->fine) || (depth && !work->depth) ||
+      (styles && !work->styles))
+    return sty_fail_memory(error, "frame", (double)pixels * 32);
+  return STY_OK;
+}
+
+/* Fills the frame from the guide image. */
+static StyStatus fill_frame(Work *work, const StyImage *image, StyError *error) {
+  const size_t pixels = sty_count_pixels(image);
+  StyImage *encoded = NULL;
+  StyStatus status = sty_encode_normals(image, 8, &encoded, error);
+  if (!status) status = sty_convert_to_rgba8("guide", encoded, work->guide, error);
+  sty_destroy_image(&encoded);
+  if (status) return status;
+  const float *alpha = sty_find_channel(image, "A"), *x = sty_find_channel(image, "normal.X"),
+              *y = sty_find_channel(image, "normal.Y");
+  const float *depth = sty_find_channel(image, "depth.Z"), *ids = sty_find_channel(image, "style.I");
+  for (size_t i = 0; i < pixels; i++) {
+    /* Coverage as the file has it, not just 0 and 255: it becomes the picture's alpha. */
+    const float covered = alpha[i] > 0 ? alpha[i] * 255.0f + 0.5f : 0;
+    work->guide[4 * i + 3] = covered < 1 ? covered > 0 : covered < 255 ? (uint8_t)covered : 255;
+    if (work->fine) work->fine[2 * i] = x[i], work->fine[2 * i + 1] = y[i];
+    if (work->depth) work->depth[i] = depth[i];
+    if (work->styles) work->styles[i] = ids[i] >= 1 && ids[i] <= 255 ? (uint8_t)ids[i] : 0;
+  }
+  work->frame.width = image->width;
+  work->frame.height = image->height;
+  work->frame.guide = work->guide;
+  work->frame.fine = work->fine;
+  work->frame.depth = work->depth;
+  work->frame.styles = work->styles;
+  return STY_OK;
+}
+
+enum { TILE = 64 };
+
+static StyRect get_tile(const StyFrame *frame, long i) {
+  const int across = (frame->width + TILE - 1) / TILE;
+  const int x = (int)(i % across) * TILE, y = (int)(i / across) * TILE;
+  return (StyRect){x, y, x + TILE < frame->width ? x + TILE : frame->width,
+                   y + TILE < frame->height ? y + TILE : frame->height};
+}
+
+static StyStatus explain(StyRuntimeStatus status, StyError *error) {
+  return status ? sty_fail(error, STY_ERROR_LIBRARY, "runtime: %s", sty_describe_runtime_status(status)) : STY_OK;
+}
+
+static StyStatus transfer_tile(void *context, long i, StyError *error) {
+  const Work *work = context;
+  return explain(sty_transfer_frame(work->bundle, &work->frame, get_tile(&work->frame, i), work->matches), error);
+}
+
+static StyStatus blend_tile(void *context, long i, StyError *error) {
+  const Work *work = context;
+  return explain(
+      sty_blend_frame(work->bundle, &work->frame, get_tile(&work->frame, i), work->matches, work->bits, work->picture),
+      error);
+}
+
+static long count_tiles(const StyFrame *frame) {
+  return (long)((frame->width + TILE - 1) / TILE) * ((frame->height + TILE - 1) / TILE);
+}
+
+/* ---- what is written ---- */
+
+static StyStatus write_rgba(const Arguments *arguments, const char *path, const Work *work, int bits,
+                            float (*get)(const Work *work, size_t pixel, int channel), StyError *error) {
+  static const char *const names[] = {"R", "G", "B", "A"};
+  StyImage *image = NULL;
+  StyStatus status = sty_create_image(work->frame.width, work->frame.height, 4, names, bits, &image, error);
+  if (status) return status;
+  const size_t pixels = sty_count_pixels(image);
+  for (int c = 0; c < 4; c++)
+    for (size_t i = 0; i < pixels; i++)
+      image->data[(size_t)c * pixels + i] = get(work, i, c) / (bits == 8 ? 255.0f : 65535.0f);
+  status = add_history(&arguments->options, "stylize", image, &arguments->guide, 1, error);
+  if (!status) status = sty_write_image(path, image, error);
+  sty_destroy_image(&image);
+  return status;
+}
+
+static float get_picture(const Work *work, size_t pixel, int channel) {
+  const size_t i = 4 * pixel + (size_t)channel;
+  return work->bits == 8 ? (float)((const uint8_t *)work->picture)[i] : (float)((const uint16_t *)work->picture)[i];
+}
+
+static float get_nnf(const Work *work, size_t pixel, int channel) {
+  const StyMatch *match = &work->matches[pixel];
+  if (match->level == STY_LEVEL_NONE) return 0;
+  return channel == 0 ? match->x : channel == 1 ? match->y : channel == 2 ? 0 : 65535;
+}
+
+/* Pixels of one chunk share the offset between picture and source. */
+static float get_chunk(const Work *work, size_t pixel, int channel) {
+  const StyMatch *match = &work->matches[pixel];
+  if (match->level == STY_LEVEL_NONE) return 0;
+  if (channel == 3) return 255;
+  const uint32_t dx = (uint32_t)match->x - (uint32_t)(pixel % (size_t)work->frame.width);
+  const uint32_t dy = (uint32_t)match->y - (uint32_t)(pixel / (size_t)work->frame.width);
+  uint32_t hash = dx * 0x9e3779b1u ^ dy * 0x85ebca6bu;
+  hash = (hash ^ hash >> 15) * 0x2c1b3c6du;
+  hash ^= hash >> 13;
+  return (float)(64 + (hash >> 8 * channel & 255) * 3 / 4);
+}
+
+static StyStatus write_pictures(const Arguments *arguments, const Work *work, StyError *error) {
+  StyStatus status = write_rgba(arguments, arguments->options.output, work, work->bits, get_picture, error);
+  if (!status && arguments->nnf) status = write_rgba(arguments, arguments->nnf, work, 16, get_nnf, error);
+  if (!status && arguments->chunks) status = write_rgba(arguments, arguments->chunks, work, 8, get_chunk, error);
+  return status;
+}
+
+typedef struct Account {
+  size_t covered, fallback;
+  double times[5]; /* load, read, transfer, blend, write */
+} Account;
+
+static StyStatus print_report(const Arguments *arguments, const Work *work, const Account *account, StyError *error) {
+  static const char *const stages[] = {"load", "read", "transfer", "blend", "write"};
+  const double share = account->covered ? (double)account->fallback / (double)account->covered : 0;
+  if (arguments->options.json)
+    return print_json(
+        json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->frame.width,
+                  work->frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
+                  pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
+        error);
+  if (arguments->options.quiet) return STY_OK;
+  printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", arguments->options.output,
+         work->frame.width, work->frame.height, account->covered, 100 * share);
+  printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],
+         account->times[1], account->times[2], account->times[3], account->times[4]);
+  return STY_OK;
+}
+
+static StyStatus stylize(const Arguments *arguments, Work *work, Account *account, StyError *error) {
+  StyRun run = begin_progress(&arguments->options, "transfer");
+  const double start = get_milliseconds();
+  StyStatus status = sty_parallel_for(&run, count_tiles(&work->frame), transfer_tile, work, error);
+  const double transferred = get_milliseconds();
+  end_progress(&arguments->options);
+  run = begin_progress(&arguments->options, "blend");
+  if (!status) status = sty_parallel_for(&run, count_tiles(&work->frame), blend_tile, work, error);
+  end_progress(&arguments->options);
+  account->times[2] = transferred - start;
+  account->times[3] = get_milliseconds() - transferred;
+  for (size_t i = 0; !status && i < (size_t)work->frame.width * (size_t)work->frame.height; i++) {
+    account->covered += work->matches[i].level != STY_LEVEL_NONE;
+    account->fallback += work->matches[i].level == STY_LEVEL_FALLBACK;
+  }
+  return status;
+}
+
+/* 0 stands for "as the guide's style.I says". */
+static StyStatus choose_style(const Arguments *arguments, const StyLoadedBundle *bundle, const StyImage *guide,
+                              int *style, StyError *error) {
+  if (arguments->style) return sty_find_style("--style", arguments->style, bundle, style, error);
+  *style = sty_find_channel(guide, "style.I") ? 0 : 1;
+  return STY_OK;
+}
+
+static StyStatus run(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  Account account = {0};
+  StyLoadedBundle bundle;
+  const double start = get_milliseconds();
+  StyStatus status = sty_load_bundle(arguments->bundle, NULL, NULL, &bundle, error);
+  if (status) return status;
+  const double loaded = get_milliseconds();
+  Work work = {.bundle = &bundle.bundle, .bits = arguments->bits};
+  StyImage *guide = NULL;
+  status = read_guide(arguments->guide, &guide, error);
+  if (!status) status = choose_style(arguments, &bundle, guide, &work.frame.style, error);
+  if (!status) status = allocate_work(&work, guide, error);
+  if (!status) status = fill_frame(&work, guide, error);
+  sty_destroy_image(&guide);
+  account.times[0] = loaded - start;
+  account.times[1] = get_milliseconds() - loaded;
+  if (!status && arguments->options.dry_run) {
+    printf("would write %s: %dx%d pixels\n", arguments->options.output, work.frame.width, work.frame.height);
+  } else if (!status) {
+    status = stylize(arguments, &work, &account, error);
+    const double before = get_milliseconds();
+    if (!status) status = write_pictures(arguments, &work, error);
+    account.times[4] = get_milliseconds() - before;
+    if (!status) status = print_report(arguments, &work, &account, error);
+  }
+  destroy_work(&work);
+  sty_unload_bundle(&bundle);
+  return status;
+}
+
+StyStatus run_stylize(int argc, char **argv) {
+  Arguments arguments = {.bits = 8};
+  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  if (!status && !arguments.options.helped) status = run(&arguments);
+  return finish_command(&arguments.options, status);
+}

@@ -1,0 +1,77 @@
+/* stylut COMMAND: finds the command and hands the rest of the line to it. */
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "stylut/guide.h"
+#include "stylut/image_io.h"
+#include "stylut/lut.h"
+#include "stylut/version.h"
+
+typedef struct Command {
+  const char *name;
+  const char *summary;
+  StyStatus (*run)(int argc, char **argv);
+} Command;
+
+static const Command commands[] = {
+    {"guide", "render a guide map of a sphere or a mesh", run_guide},
+    {"lut", "build the nearest-neighbour look-up table of a guide", run_lut},
+    {"check", "audit a table and hold it to budgets", run_check},
+    {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
+    {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
+    {"info", "say what a file or bundle holds", run_info},
+    {"validate", "verify a bundle, finding by finding", run_validate},
+};
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+
+static StyStatus print_help(void) {
+  printf(
+      "Usage: stylut COMMAND [OPTION...]\n"
+      "Prepares what example-based stylization needs before the first frame is drawn.\n\n");
+  for (int i = 0; i < COMMAND_COUNT; i++) printf("  %-10s %s\n", commands[i].name, commands[i].summary);
+  printf(
+      "\n'stylut COMMAND --help' says more. 'stylut --version' lists the libraries.\n"
+      "Exit codes: 0 done, 1 usage, 2 file cannot be read or written, 3 invalid input,\n"
+      "4 library or memory failure, 5 not built in, 6 check failed, 7 files differ.\n");
+  return STY_OK;
+}
+
+static StyStatus print_version(void) {
+  const char *geometry = sty_get_geometry_library_version();
+  printf("stylut %s\n%s, %s, %s, %s, %s\n", STY_VERSION, sty_get_image_library_version(),
+         sty_get_mesh_library_version(), sty_get_ray_library_version(), sty_get_search_library_version(),
+         geometry ? geometry : "without CGAL");
+  printf("stylut's own code is under the MIT licence. %s\n",
+         geometry ? "This binary is linked with parts of CGAL that are\n"
+                    "GPL-3.0-or-later: as a whole it is distributed under the GPL. Build with CGAL=0 to go without."
+                  : "This binary is built without CGAL and is not under the GPL.");
+  return STY_OK;
+}
+
+static StyStatus finish(StyStatus status) {
+  if (fflush(stdout) == 0) return status;
+  fprintf(stderr, "stylut: error: standard output: cannot write, expected room for the text\n");
+  return STY_ERROR_FILE;
+}
+
+int main(int argc, char **argv) {
+  const char *name = argc > 1 ? argv[1] : "";
+  if (strcmp(name, "--help") == 0 || strcmp(name, "-?") == 0 || strcmp(name, "help") == 0)
+    return (int)finish(print_help());
+  if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) return (int)finish(print_version());
+  for (int i = 0; i < COMMAND_COUNT; i++) {
+    if (strcmp(name, commands[i].name) != 0) continue;
+    char program[32];
+    snprintf(program, sizeof program, "stylut %s", name);
+    argv[1] = program;
+    return (int)commands[i].run(argc - 1, argv + 1);
+  }
+  StyError error;
+  if (*name)
+    sty_fail(&error, STY_ERROR_USAGE, "found '%s', expected a command that 'stylut --help' lists", name);
+  else
+    sty_fail(&error, STY_ERROR_USAGE, "found no command, expected one that 'stylut --help' lists");
+  fprintf(stderr, "stylut: error: %s\n", error.text);
+  return STY_ERROR_USAGE;
+}

@@ -1,0 +1,76 @@
+/* stylut validate BUNDLE */
+#include <stdio.h>
+
+#include "commands.h"
+#include "options.h"
+#include "stylut/pack.h"
+
+typedef struct Arguments {
+  Options options;
+  const char *bundle;
+  json_t *findings;
+} Arguments;
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+  Arguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  StyStatus status = STY_OK;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG:
+      if (arguments->bundle)
+        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->bundle);
+      arguments->bundle = text;
+      break;
+    case ARGP_KEY_END:
+      if (!arguments->bundle) status = sty_fail(error, STY_ERROR_USAGE, "validate: found no bundle, expected a folder");
+      break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return end_option(status);
+}
+
+static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+    .parser = parse_option,
+    .args_doc = "BUNDLE",
+    .doc =
+        "Verifies a bundle: index, lengths, SHA-256, KTX2 headers, parameters. Exit code 3 when anything is wrong.\v"
+        "Findings carry permanent numbers: B1 index, B2 missing file, B3 length, B4 hash, B5 texture, B6 textures "
+        "that don't fit each other, B7 parameters, B8 number of styles; a warning: B9 table entries on the "
+        "background.",
+    .children = children,
+};
+
+static void take_finding(void *context, const StyFinding *finding) {
+  Arguments *arguments = context;
+  if (arguments->findings) {
+    json_array_append_new(arguments->findings,
+                          json_pack("{s:i, s:b, s:s, s:s}", "number", (int)finding->number, "warning",
+                                    (int)finding->warning, "file", finding->file, "text", finding->text));
+  } else if (!arguments->options.quiet) {
+    printf("B%d %s: %s: %s\n", (int)finding->number, finding->warning ? "warning" : "error", finding->file,
+           finding->text);
+  }
+}
+
+StyStatus run_validate(int argc, char **argv) {
+  Arguments arguments = {.bundle = NULL};
+  StyError *error = &arguments.options.error;
+  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  if (!status && !arguments.options.helped) {
+    StyLoadedBundle bundle;
+    if (arguments.options.json) arguments.findings = json_array();
+    status = sty_load_bundle(arguments.bundle, take_finding, &arguments, &bundle, error);
+    if (arguments.options.json)
+      print_json(
+          json_pack("{s:s, s:b, s:o}", "schema", "stylut-validate/1", "valid", !status, "findings", arguments.findings),
+          NULL);
+    else if (!status && !arguments.options.quiet)
+      printf("%s: valid, %zu style(s)\n", arguments.bundle,
+             json_array_size(json_object_get(bundle.index.root, "styles")));
+    if (!status) sty_unload_bundle(&bundle);
+  }
+  return finish_command(&arguments.options, status);
+}
