@@ -71,8 +71,8 @@ static StyStatus fail_library(const char *path, StyError *error) {
   char reason[256];
   snprintf(reason, sizeof reason, "%s", aiGetErrorString());
   reason[strcspn(reason, "\r\n")] = '\0';
-  return sty_fail(error, STY_ERROR_INPUT, "%s: not a mesh that can be read: %s", path,
-                  reason[0] ? reason : "the importer gave no reason");
+  return sty_fail(error, STY_ERROR_INPUT, "%s: expected a mesh; the importer says: %s", path,
+                  reason[0] ? reason : "nothing");
 }
 
 static StyStatus check_vertices(const Import *import, unsigned m, StyError *error) {
@@ -133,6 +133,15 @@ static void move_polygons(struct aiMesh *mesh, Frame *frame) {
   }
 }
 
+/* Assimp marks a mesh with empty faces as one of polygons, and then aborts
+ * when it finds none to cut. */
+static bool mark_polygons(struct aiMesh *mesh) {
+  for (unsigned f = 0; f < mesh->mNumFaces; f++)
+    if (mesh->mFaces[f].mNumIndices > 3) return true;
+  mesh->mPrimitiveTypes &= ~(unsigned)aiPrimitiveType_POLYGON;
+  return false;
+}
+
 static StyStatus cut_polygons(Import *import, StyError *error) {
   const unsigned count = import->file->mNumMeshes;
   import->frames = malloc((count + 1) * sizeof *import->frames);
@@ -140,7 +149,7 @@ static StyStatus cut_polygons(Import *import, StyError *error) {
   bool polygons = false;
   for (unsigned m = 0; m < count; m++) {
     import->frames[m] = (Frame){.scale = 1};
-    if (!(import->file->mMeshes[m]->mPrimitiveTypes & aiPrimitiveType_POLYGON)) continue;
+    if (!mark_polygons(import->file->mMeshes[m])) continue;
     move_polygons(import->file->mMeshes[m], &import->frames[m]);
     polygons = true;
   }

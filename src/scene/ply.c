@@ -4,10 +4,11 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "stylut/file.h"
 
-enum { MAX_ELEMENTS = 32, MAX_PROPERTIES = 64, MAX_LINE = 512 };
+enum { MAX_ELEMENTS = 32, MAX_PROPERTIES = 256, MAX_LINE = 512 };
 
 typedef struct Property {
   size_t size;       /* bytes of the value, or of one entry of the list */
@@ -45,12 +46,13 @@ static size_t get_type_size(const char *name) {
   return 0;
 }
 
+/* The next line, its first MAX_LINE - 1 characters. */
 static bool read_line(Ply *ply, char line[MAX_LINE]) {
   const unsigned char *newline = memchr(ply->at, '\n', (size_t)(ply->end - ply->at));
-  if (!newline || newline - ply->at >= MAX_LINE) return false;
-  const size_t length = (size_t)(newline - ply->at);
-  memcpy(line, ply->at, length);
-  line[length] = '\0';
+  if (!newline) return false;
+  const size_t length = (size_t)(newline - ply->at), kept = length < MAX_LINE ? length : MAX_LINE - 1;
+  memcpy(line, ply->at, kept);
+  line[kept] = '\0';
   line[strcspn(line, "\r")] = '\0';
   ply->at = newline + 1;
   return true;
@@ -84,21 +86,25 @@ static Encoding get_encoding(const char *line) {
   return strncmp(line, "format binary_big_endian ", 25) == 0 ? ENCODING_BIG : ENCODING_NONE;
 }
 
-static bool read_header(Ply *ply) {
+static bool read_header_line(Ply *ply, const char *line) {
+  if (strncmp(line, "format ", 7) == 0) return (ply->encoding = get_encoding(line)) != ENCODING_NONE;
+  if (strncmp(line, "element ", 8) == 0) return add_element(ply, line);
+  if (strncmp(line, "property ", 9) == 0) return add_property(ply, line);
+  return true;
+}
+
+static StyStatus read_header(const char *path, Ply *ply, StyError *error) {
   char line[MAX_LINE];
-  if (!read_line(ply, line) || strcmp(line, "ply") != 0) return false;
-  while (read_line(ply, line)) {
-    bool known = true;
-    if (strcmp(line, "end_header") == 0) return ply->encoding != ENCODING_NONE;
-    if (strncmp(line, "format ", 7) == 0)
-      known = (ply->encoding = get_encoding(line)) != ENCODING_NONE;
-    else if (strncmp(line, "element ", 8) == 0)
-      known = add_element(ply, line);
-    else if (strncmp(line, "property ", 9) == 0)
-      known = add_property(ply, line);
-    if (!known) return false;
+  bool good = read_line(ply, line) && strcasecmp(line, "ply") == 0;
+  if (!good) return sty_fail(error, STY_ERROR_INPUT, "%s: not a mesh: expected 'ply' in the first line", path);
+  while (good) {
+    if (!read_line(ply, line))
+      return sty_fail(error, STY_ERROR_INPUT, "%s: not a whole mesh: it ends within the header", path);
+    if (strcmp(line, "end_header") == 0) break;
+    good = read_header_line(ply, line);
   }
-  return false;
+  if (good && ply->encoding != ENCODING_NONE) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT, "%s: not a mesh: found '%.60s' in the header, expected PLY 1.0", path, line);
 }
 
 /* ---- the items ---- */
@@ -169,7 +175,8 @@ StyStatus sty_check_ply(const char *path, StyError *error) {
   StyStatus status = sty_map_file(path, &file, error);
   if (status != STY_OK) return status;
   Ply ply = {.at = file.data, .end = file.data + file.size};
-  if (file.size > 0 && read_header(&ply)) status = walk_items(path, &ply, error);
+  status = read_header(path, &ply, error);
+  if (status == STY_OK) status = walk_items(path, &ply, error);
   sty_unmap_file(&file);
   return status;
 }

@@ -4,10 +4,10 @@
 
 #include "stylut/status.h"
 
-/* Walks through the items that the header of `path` announces and returns
- * STY_ERROR_INPUT when the file ends before they do: Assimp reads on past the
- * end and makes up faces. A header that isn't understood passes; Assimp will
- * say what is wrong with it. */
+/* Reads the header of `path` and walks through the items that it announces.
+ * STY_ERROR_INPUT when the header isn't PLY 1.0 or the file ends too early:
+ * Assimp waits forever for the rest of some headers, reads on past the end of
+ * binary items, and makes up faces where text ends. */
 StyStatus sty_check_ply(const char *path, StyError *error);
 
 #endif

@@ -1,0 +1,131 @@
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "stylut/parallel.h"
+
+static void test_threads(void **state) {
+  (void)state;
+  const int cores = (int)sysconf(_SC_NPROCESSORS_ONLN);
+  for (int t = 1; t <= 5; t++) assert_int_equal(sty_get_threads(&(StyRun){.threads = t}), t);
+  /* A process may be confined to fewer cores than the machine has. */
+  assert_in_range(sty_get_threads(NULL), 1, cores);
+  assert_int_equal(sty_get_threads(&(StyRun){.threads = 0}), sty_get_threads(NULL));
+}
+
+static StyStatus count_call(void *context, long i, StyError *error) {
+  (void)error;
+  unsigned char *calls = context;
+  calls[i]++; /* each item has its own byte */
+  return STY_OK;
+}
+
+static void test_every_item_once(void **state) {
+  (void)state;
+  static const long counts[] = {0, 1, 2, 3, 7, 64, 1000, 100001};
+  for (int threads = 0; threads <= 4; threads++) {
+    const StyRun run = {.threads = threads};
+    for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+      const long count = counts[c];
+      unsigned char *calls = calloc((size_t)count + 1, 1);
+      assert_non_null(calls);
+      assert_int_equal(sty_parallel_for(&run, count, count_call, calls, NULL), STY_OK);
+      for (long i = 0; i < count; i++) assert_int_equal(calls[i], 1);
+      assert_int_equal(calls[count], 0);
+      free(calls);
+    }
+  }
+  unsigned char calls[10] = {0};
+  assert_int_equal(sty_parallel_for(NULL, 10, count_call, calls, NULL), STY_OK);
+  for (int i = 0; i < 10; i++) assert_int_equal(calls[i], 1);
+}
+
+typedef struct Failing {
+  long first, second; /* items that fail */
+  int slow;           /* the first of them takes its time */
+} Failing;
+
+static StyStatus fail_some(void *context, long i, StyError *error) {
+  const Failing *failing = context;
+  if (i == failing->first) {
+    if (failing->slow) usleep(2000);
+    return sty_fail(error, STY_ERROR_INPUT, "item %ld", i);
+  }
+  if (i == failing->second) return sty_fail(error, STY_ERROR_FILE, "item %ld", i);
+  return STY_OK;
+}
+
+/* The message is that of the lowest item, even when a higher one fails earlier. */
+static void test_lowest_failure(void **state) {
+  (void)state;
+  for (int threads = 1; threads <= 4; threads++) {
+    const StyRun run = {.threads = threads};
+    for (int trial = 0; trial < 30; trial++) {
+      Failing failing = {.first = 3 + trial, .second = 4 + trial + trial % 7, .slow = trial % 2};
+      StyError error = {STY_OK, ""};
+      char expected[32];
+      snprintf(expected, sizeof expected, "item %ld", failing.first);
+      assert_int_equal(sty_parallel_for(&run, 80, fail_some, &failing, &error), STY_ERROR_INPUT);
+      assert_int_equal(error.status, STY_ERROR_INPUT);
+      assert_string_equal(error.text, expected);
+      assert_int_equal(sty_parallel_for(&run, 80, fail_some, &failing, NULL), STY_ERROR_INPUT);
+    }
+  }
+}
+
+static void test_last_item_fails(void **state) {
+  (void)state;
+  Failing failing = {.first = 999, .second = -1, .slow = 0};
+  for (int threads = 1; threads <= 3; threads++)
+    assert_int_equal(sty_parallel_for(&(StyRun){.threads = threads}, 1000, fail_some, &failing, NULL), STY_ERROR_INPUT);
+}
+
+typedef struct Watch {
+  int calls, inside, overlaps;
+  double last;
+  int outside_range;
+} Watch;
+
+static void watch_progress(void *context, double done) {
+  Watch *watch = context;
+  if (__atomic_fetch_add(&watch->inside, 1, __ATOMIC_SEQ_CST)) watch->overlaps++;
+  watch->calls++;
+  if (!(done >= 0 && done <= 1)) watch->outside_range++;
+  watch->last = done;
+  __atomic_fetch_sub(&watch->inside, 1, __ATOMIC_SEQ_CST);
+}
+
+static StyStatus do_little(void *context, long i, StyError *error) {
+  (void)context;
+  (void)error;
+  if (i % 64 == 0) usleep(100);
+  return STY_OK;
+}
+
+static void test_progress(void **state) {
+  (void)state;
+  for (int threads = 1; threads <= 4; threads++) {
+    Watch watch = {0};
+    const StyRun run = {.threads = threads, .progress = watch_progress, .context = &watch};
+    assert_int_equal(sty_parallel_for(&run, 4000, do_little, NULL, NULL), STY_OK);
+    assert_int_equal(watch.overlaps, 0);
+    assert_int_equal(watch.outside_range, 0);
+    assert_true(watch.calls >= 1);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_threads),         cmocka_unit_test(test_every_item_once),
+      cmocka_unit_test(test_lowest_failure),  cmocka_unit_test(test_last_item_fails),
+      cmocka_unit_test(test_progress),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# Every public header compiles alone, as C11 and as C++17.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+for header in "$root"/include/stylut/*.h; do
+  echo "$header"
+  "${CC:-gcc}" -std=c11 -Wall -Wextra -Werror -fsyntax-only -x c -I"$root/include" "$header"
+  "${CXX:-g++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only -x c++ -I"$root/include" "$header"
+done

@@ -1,0 +1,314 @@
+#include <math.h>
+
+#include "../scratch.h"
+#include "stylut/lut.h"
+
+static const StyLutHints NO_HINTS = {0, 0, -1};
+
+/* Random choices, so that every coordinate of the source occurs in a table of some size. */
+static StyLut *make_table(int size, int sampling, int width, int height, uint64_t seed) {
+  StyLut *lut = NULL;
+  assert_int_equal(sty_create_lut(size, (StySampling)sampling, width, height, &lut, NULL), STY_OK);
+  for (int t = 0; t < size * size; t++) {
+    lut->pixels[t] = (uint32_t)draw_below(&seed, height) * (uint32_t)width + (uint32_t)draw_below(&seed, width);
+    lut->errors[t] = fabsf(draw_signed(&seed));
+  }
+  lut->pixels[0] = 0;
+  lut->pixels[size * size - 1] = (uint32_t)width * (uint32_t)height - 1;
+  return lut;
+}
+
+static void test_coordinates(void **state) {
+  (void)state;
+  /* 16 bit is exact for every source side that a bundle may have. */
+  static const uint32_t sides[] = {1, 2, 3, 5, 17, 100, 254, 255, 256, 257, 511, 512, 1000, 1023, 4096, 5000, 16384, 32768};
+  for (size_t s = 0; s < sizeof sides / sizeof *sides; s++) {
+    const uint32_t side = sides[s];
+    for (uint32_t p = 0; p < side; p++) {
+      const uint32_t word = sty_encode_coordinate(p, side, 65535), byte = sty_encode_coordinate(p, side, 255);
+      assert_int_equal(word, (uint32_t)floor((p + 0.5) / side * 65535 + 0.5));
+      assert_true(byte <= 255);
+      assert_int_equal(sty_decode_coordinate(word, side, 65535), p);
+      const int64_t back = sty_decode_coordinate(byte, side, 255), off = llabs(back - (int64_t)p);
+      if (side < 255) assert_int_equal(off, 0);
+      /* A byte is a 255th of the side, half of it either way, and what rounding down adds. */
+      assert_true(off <= (int64_t)(side / 510 + 1));
+    }
+    assert_int_equal(sty_decode_coordinate(0, side, 65535), 0);
+    assert_int_equal(sty_decode_coordinate(65535, side, 65535), side - 1);
+    assert_int_equal(sty_decode_coordinate(255, side, 255), side - 1);
+  }
+  /* The two roundings, for every word and a few sides: floor(v*W/M), at most W-1. */
+  static const uint32_t few[] = {1, 3, 100, 512, 32767, 32768, 65536};
+  for (size_t s = 0; s < sizeof few / sizeof *few; s++)
+    for (uint64_t v = 0; v <= 65535; v++) {
+      const uint64_t pixel = v * few[s] / 65535;
+      assert_int_equal(sty_decode_coordinate((uint32_t)v, few[s], 65535), pixel < few[s] ? pixel : few[s] - 1);
+    }
+}
+
+static void test_names(void **state) {
+  (void)state;
+  assert_string_equal(sty_encoding_names[STY_ENCODE_F32], "f32");
+  assert_string_equal(sty_encoding_names[STY_ENCODE_RG16], "rg16");
+  assert_string_equal(sty_encoding_names[STY_ENCODE_RG8X2], "rg8x2");
+  assert_string_equal(sty_encoding_names[STY_ENCODE_RG8], "rg8");
+  assert_null(sty_encoding_names[4]);
+}
+
+/* What is stored, texel by texel, from the header's own words. */
+static void expect_layout(const StyLut *lut, StyEncoding encoding, const StyImage *image) {
+  const size_t plane = sty_count_pixels(image);
+  assert_int_equal(image->width, lut->size);
+  assert_int_equal(image->height, lut->size);
+  assert_int_equal(image->bits, encoding == STY_ENCODE_F32 ? 32 : encoding == STY_ENCODE_RG16 ? 16 : 8);
+  assert_int_equal(image->channel_count, encoding == STY_ENCODE_RG8X2 ? 4 : 3);
+  for (size_t t = 0; t < plane; t++) {
+    const double u = (lut->pixels[t] % (uint32_t)lut->source_width + 0.5) / lut->source_width;
+    const double v = (lut->pixels[t] / (uint32_t)lut->source_width + 0.5) / lut->source_height;
+    if (encoding == STY_ENCODE_F32) {
+      assert_true(fabs(sty_find_channel(image, "u")[t] - u) < 1e-7);
+      assert_true(fabs(sty_find_channel(image, "v")[t] - v) < 1e-7);
+      assert_true(sty_find_channel(image, "error")[t] == lut->errors[t]);
+      continue;
+    }
+    double stored[4] = {0};
+    const double top = image->bits == 16 ? 65535 : 255;
+    for (int c = 0; c < image->channel_count; c++) {
+      stored[c] = image->data[plane * (size_t)c + t] * top;
+      assert_true(fabs(stored[c] - round(stored[c])) < 0.01);
+      stored[c] = round(stored[c]);
+    }
+    if (encoding == STY_ENCODE_RG8X2) {
+      assert_true(stored[0] * 256 + stored[1] == floor(u * 65535 + 0.5));
+      assert_true(stored[2] * 256 + stored[3] == floor(v * 65535 + 0.5));
+    } else {
+      assert_true(stored[0] == floor(u * top + 0.5));
+      assert_true(stored[1] == floor(v * top + 0.5));
+      assert_true(stored[2] == 0);
+    }
+  }
+}
+
+static void test_round_trips(void **state) {
+  (void)state;
+  static const int sources[][2] = {{1, 1}, {2, 3}, {100, 50}, {254, 254}, {255, 255}, {256, 300}, {512, 512}, {1920, 1080}, {16384, 7}};
+  static const int sizes[] = {2, 3, 64};
+  for (size_t s = 0; s < sizeof sources / sizeof *sources; s++) {
+    for (int z = 0; z < 3; z++) {
+      for (int e = 0; e < 4; e++) {
+        const int width = sources[s][0], height = sources[s][1], sampling = (int)(s + (size_t)z) % 2;
+        StyLut *lut = make_table(sizes[z], sampling, width, height, s * 10 + (size_t)z), *back = NULL;
+        StyImage *image = NULL;
+        StyError error = {STY_OK, ""};
+        assert_int_equal(sty_encode_lut(lut, (StyEncoding)e, &image, NULL), STY_OK);
+        expect_layout(lut, (StyEncoding)e, image);
+        if (sty_decode_lut("lut.png", image, &NO_HINTS, &back, &error) != STY_OK)
+          fail_msg("%s, source %dx%d: %s", sty_encoding_names[e], width, height, error.text);
+        assert_int_equal(back->size, lut->size);
+        assert_int_equal(back->sampling, sampling);
+        assert_int_equal(back->source_width, width);
+        assert_int_equal(back->source_height, height);
+        const int exact_x = e != STY_ENCODE_RG8 || width < 255, exact_y = e != STY_ENCODE_RG8 || height < 255;
+        for (int t = 0; t < lut->size * lut->size; t++) {
+          const int dx = abs((int)(back->pixels[t] % (uint32_t)width) - (int)(lut->pixels[t] % (uint32_t)width));
+          const int dy = abs((int)(back->pixels[t] / (uint32_t)width) - (int)(lut->pixels[t] / (uint32_t)width));
+          assert_true(dx <= (exact_x ? 0 : width / 510 + 1));
+          assert_true(dy <= (exact_y ? 0 : height / 510 + 1));
+          assert_true(back->errors[t] == (e == STY_ENCODE_F32 ? lut->errors[t] : 0));
+        }
+        sty_destroy_lut(&back);
+        sty_destroy_image(&image);
+        sty_destroy_lut(&lut);
+      }
+    }
+  }
+}
+
+/* ---- tables of other tools ------------------------------------------------------ */
+
+static StyImage *make_picture(int width, int height, int count, const char *const *names, int bits) {
+  StyImage *image = NULL;
+  assert_int_equal(sty_create_image(width, height, count, names, bits, &image, NULL), STY_OK);
+  return image;
+}
+
+static const char *const RGB[] = {"R", "G", "B"};
+
+static void test_foreign_words(void **state) {
+  (void)state;
+  for (int count = 2; count <= 4; count++) {
+    static const char *const names[] = {"R", "G", "B", "A"};
+    if (count == 2) continue; /* grey and alpha to every reader of pictures */
+    StyImage *image = make_picture(2, 2, count, names, 16);
+    static const int words[4][2] = {{0, 65535}, {32768, 100}, {655, 656}, {65535, 0}};
+    for (int t = 0; t < 4; t++)
+      for (int c = 0; c < 2; c++) image->data[4 * c + t] = (float)words[t][c] / 65535.0f;
+    StyLut *lut = NULL;
+    StyError error = {STY_OK, ""};
+    expect_message(sty_decode_lut("old.png", image, &NO_HINTS, &lut, &error), STY_ERROR_INPUT, &error,
+                   PARTS("old.png"));
+    assert_null(lut);
+    for (int sampling = -1; sampling < 2; sampling++) {
+      const StyLutHints hints = {100, 200, sampling};
+      assert_int_equal(sty_decode_lut("old.png", image, &hints, &lut, &error), STY_OK);
+      assert_int_equal(lut->size, 2);
+      assert_int_equal(lut->source_width, 100);
+      assert_int_equal(lut->source_height, 200);
+      assert_int_equal(lut->sampling, sampling == 1 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE);
+      for (int t = 0; t < 4; t++) {
+        const int x = words[t][0] * 100 / 65535, y = words[t][1] * 200 / 65535;
+        assert_int_equal(lut->pixels[t], (y < 200 ? y : 199) * 100 + (x < 100 ? x : 99));
+      }
+      sty_destroy_lut(&lut);
+    }
+    sty_destroy_image(&image);
+  }
+}
+
+static void test_foreign_floats(void **state) {
+  (void)state;
+  static const char *const names[] = {"v", "other", "u"};
+  StyImage *image = make_picture(3, 3, 3, names, 32);
+  float *u = sty_find_channel(image, "u"), *v = sty_find_channel(image, "v");
+  for (int t = 0; t < 9; t++) u[t] = ((float)t + 0.5f) / 10, v[t] = ((float)(8 - t) + 0.5f) / 20;
+  const StyLutHints hints = {10, 20, -1};
+  StyLut *lut = NULL;
+  StyError error = {STY_OK, ""};
+  assert_int_equal(sty_decode_lut("old.exr", image, &hints, &lut, &error), STY_OK);
+  for (int t = 0; t < 9; t++) {
+    assert_int_equal(lut->pixels[t], (8 - t) * 10 + t);
+    assert_true(lut->errors[t] == 0);
+  }
+  sty_destroy_lut(&lut);
+
+  /* u = 1 is the far border of the last pixel; anything beyond isn't a coordinate. */
+  u[5] = 1;
+  v[5] = 0;
+  assert_int_equal(sty_decode_lut("old.exr", image, &hints, &lut, &error), STY_OK);
+  assert_int_equal(lut->pixels[5], 9);
+  sty_destroy_lut(&lut);
+  static const float bad[] = {NAN, INFINITY, -INFINITY, -0.01f, 1.01f, 1e30f, -1e30f};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (int c = 0; c < 2; c++) {
+      float *const texel = &(c ? v : u)[7]; /* (1, 2) */
+      const float before = *texel;
+      *texel = bad[i];
+      expect_message(sty_decode_lut("old.exr", image, &hints, &lut, &error), STY_ERROR_INPUT, &error,
+                     PARTS("old.exr", "1", "2"));
+      assert_null(lut);
+      *texel = before;
+    }
+  }
+  sty_destroy_image(&image);
+
+  static const char *const half[] = {"u", "w"};
+  image = make_picture(3, 3, 2, half, 32);
+  expect_message(sty_decode_lut("old.exr", image, &hints, &lut, &error), STY_ERROR_INPUT, &error, PARTS("old.exr"));
+  assert_null(lut);
+  sty_destroy_image(&image);
+}
+
+/* The texel is found among many, and named by column and row. */
+static void test_bad_texel_is_named(void **state) {
+  (void)state;
+  StyLut *lut = make_table(64, STY_SAMPLE_CENTRE, 100, 100, 3), *back = NULL;
+  StyImage *image = NULL;
+  assert_int_equal(sty_encode_lut(lut, STY_ENCODE_F32, &image, NULL), STY_OK);
+  float *u = sty_find_channel(image, "u");
+  u[64 * 47 + 23] = NAN;
+  u[64 * 48 + 1] = NAN;
+  StyError error = {STY_OK, ""};
+  expect_message(sty_decode_lut("table.exr", image, &NO_HINTS, &back, &error), STY_ERROR_INPUT, &error,
+                 PARTS("table.exr", "23", "47"));
+  assert_null(back);
+  sty_destroy_image(&image);
+  sty_destroy_lut(&lut);
+}
+
+static void test_shapes(void **state) {
+  (void)state;
+  const StyLutHints hints = {10, 20, -1};
+  StyLut *lut = NULL;
+  StyError error = {STY_OK, ""};
+  StyImage *image = make_picture(31, 17, 3, RGB, 16);
+  expect_message(sty_decode_lut("wide.png", image, &hints, &lut, &error), STY_ERROR_INPUT, &error,
+                 PARTS("wide.png", "31", "17"));
+  sty_destroy_image(&image);
+  image = make_picture(4, 4, 1, RGB, 16);
+  expect_message(sty_decode_lut("grey.png", image, &hints, &lut, &error), STY_ERROR_INPUT, &error, PARTS("grey.png"));
+  sty_destroy_image(&image);
+  image = make_picture(STY_MAX_LUT_SIZE + 1, STY_MAX_LUT_SIZE + 1, 2, RGB, 16);
+  assert_int_not_equal(sty_decode_lut("huge.png", image, &hints, &lut, &error), STY_OK);
+  sty_destroy_image(&image);
+  assert_null(lut);
+}
+
+/* A table that says another source size than the one at hand: the message names both. */
+static void test_source_sizes(void **state) {
+  (void)state;
+  StyLut *lut = make_table(8, STY_SAMPLE_UNORM8, 123, 77, 5), *back = NULL;
+  for (int e = 0; e < 4; e++) {
+    StyImage *image = NULL;
+    StyError error = {STY_OK, ""};
+    assert_int_equal(sty_encode_lut(lut, (StyEncoding)e, &image, NULL), STY_OK);
+    const StyLutHints agreeing = {123, 77, STY_SAMPLE_UNORM8}, other = {124, 77, -1}, other_height = {123, 78, -1};
+    assert_int_equal(sty_decode_lut("t", image, &agreeing, &back, &error), STY_OK);
+    sty_destroy_lut(&back);
+    expect_message(sty_decode_lut("table.png", image, &other, &back, &error), STY_ERROR_INPUT, &error,
+                   PARTS("table.png", "123", "77", "124"));
+    expect_message(sty_decode_lut("table.png", image, &other_height, &back, &error), STY_ERROR_INPUT, &error,
+                   PARTS("table.png", "123", "77", "78"));
+    assert_null(back);
+    sty_destroy_image(&image);
+  }
+  sty_destroy_lut(&lut);
+}
+
+/* Attributes come from files: whatever they hold, nothing is read past an end. */
+static void test_mangled_attributes(void **state) {
+  (void)state;
+  static const char *const values[] = {"", "x", "-1", "0", "99999999999999999999", "nan", "rg8x2", "f32", "unorm8 ",
+                                       "65537", "1e3", "12x34", "0x0", "4294967297", "rg8", "rg16"};
+  const StyLutHints hints = {123, 77, -1};
+  int refused = 0;
+  for (int e = 0; e < 4; e++) {
+    StyLut *lut = make_table(8, STY_SAMPLE_UNORM8, 123, 77, 5);
+    StyImage *image = NULL;
+    assert_int_equal(sty_encode_lut(lut, (StyEncoding)e, &image, NULL), STY_OK);
+    assert_true(image->attribute_count > 0);
+    for (int a = 0; a < image->attribute_count; a++) {
+      char *const before = image->attributes[a].value;
+      for (size_t v = 0; v < sizeof values / sizeof *values; v++) {
+        image->attributes[a].value = (char *)(uintptr_t)values[v];
+        StyLut *back = NULL;
+        StyError error = {STY_OK, ""};
+        const StyStatus status = sty_decode_lut("t.png", image, v % 2 ? &hints : &NO_HINTS, &back, &error);
+        if (status == STY_OK) {
+          for (int t = 0; t < back->size * back->size; t++)
+            assert_true(back->pixels[t] < (uint32_t)back->source_width * (uint32_t)back->source_height);
+        } else {
+          expect_message(status, STY_ERROR_INPUT, &error, PARTS("t.png"));
+          assert_null(back);
+          refused++;
+        }
+        sty_destroy_lut(&back);
+      }
+      image->attributes[a].value = before;
+    }
+    sty_destroy_image(&image);
+    sty_destroy_lut(&lut);
+  }
+  assert_true(refused > 50);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_coordinates),       cmocka_unit_test(test_names),
+      cmocka_unit_test(test_round_trips),       cmocka_unit_test(test_foreign_words),
+      cmocka_unit_test(test_foreign_floats),    cmocka_unit_test(test_bad_texel_is_named),
+      cmocka_unit_test(test_shapes),            cmocka_unit_test(test_source_sizes),
+      cmocka_unit_test(test_mangled_attributes),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# Runs every test and counts. Usage: run.sh BUILD CONFIG UNIT-TEST...
+# Environment: CC, CXX of the build.
+set -uo pipefail
+
+build=$(cd "$1" && pwd)
+config=$2
+shift 2
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(dirname "$here")
+log=$build/tests/log
+mkdir -p "$log"
+passed=0 failed=0 skipped=0
+
+# Leaks that aren't ours, each by the library's name.
+export LSAN_OPTIONS=suppressions=$here/leaks.supp:print_suppressions=0
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_odr_violation=0}
+export UBSAN_OPTIONS=print_stacktrace=1
+
+count() { # NAME STATUS LOG
+  if [ "$2" = 0 ]; then
+    printf 'ok    %s\n' "$1"
+  else
+    printf 'FAIL  %s (exit %s)\n' "$1" "$2"
+    tail -n 40 "$3"
+  fi
+}
+
+for program in "$@"; do
+  name=${program#"$build"/}
+  name=${name#*/tests/}
+  file=$log/${name//\//_}.log
+  "$program" >"$file" 2>&1
+  status=$?
+  ok=$(grep -c '^\[ *OK \]' "$file")
+  bad=$(grep -c '^\[  FAILED  \] [a-z].*[^:]$' "$file")
+  skip=$(grep -c '^\[  SKIPPED \]' "$file")
+  [ "$status" != 0 ] && [ "$bad" = 0 ] && bad=1
+  count "$name ($ok tests)" "$status" "$file"
+  passed=$((passed + ok)) failed=$((failed + bad)) skipped=$((skipped + skip / 2))
+done
+
+# run_script NAME COMMAND...: one test by exit code.
+run_script() {
+  local name=$1 file
+  shift
+  file=$log/${name//[^a-z_]/_}.log
+  "$@" >"$file" 2>&1
+  local status=$?
+  if [ "$status" = 77 ]; then
+    printf 'skip  %s: %s\n' "$name" "$(tail -n 1 "$file")"
+    skipped=$((skipped + 1))
+    return
+  fi
+  count "$name" "$status" "$file"
+  if [ "$status" = 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); fi
+}
+
+run_script runtime/purity env CC="$CC" CXX="$CXX" "$here/runtime/test_purity.sh" "$build/libstylut_rt.a" "$config"
+run_script pack/ktx-parse "$here/pack/ktx_parse.sh" "$build"
+run_script include/headers env CC="$CC" CXX="$CXX" "$here/include/test_headers.sh"
+
+# The real binary, through bats.
+export STYLUT=$build/stylut STYLUT_BUILD=$build STYLUT_CONFIG=$config STYLUT_ROOT=$root
+file=$log/bats.log
+bats --tap "$here"/cli/*.bats >"$file" 2>&1
+status=$?
+grep -E '^not ok|^#|^ok .*# skip' "$file"
+passed=$((passed + $(grep -c '^ok ' "$file") - $(grep -c '^ok .*# skip' "$file")))
+failed=$((failed + $(grep -c '^not ok' "$file")))
+skipped=$((skipped + $(grep -c '^ok .*# skip' "$file")))
+if [ "$status" != 0 ] && ! grep -q '^not ok' "$file"; then
+  cat "$file"
+  failed=$((failed + 1))
+fi
+
+printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"
+[ "$failed" = 0 ]
