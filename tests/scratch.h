@@ -42,17 +42,35 @@ static inline int count_entries(const char *path) {
 
 /* Removes a file, or a folder with the plain files in it. */
 static inline void remove_folder(const char *path) {
-  char inside[1280];
+  char inside[2048];
   DIR *folder = opendir(path);
   if (folder) {
     for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-      snprintf(inside, sizeof inside, "%s/%s", path, entry->d_name);
-      unlink(inside);
+      if (snprintf(inside, sizeof inside, "%s/%s", path, entry->d_name) < (int)sizeof inside) unlink(inside);
     }
     closedir(folder);
   }
   rmdir(path);
 }
+
+/* In place of close_scratch where one test's failure mustn't leave files to the next. */
+static inline int empty_scratch(void **state) {
+  Scratch *scratch = *state;
+  char inside[2048];
+  DIR *folder = opendir(scratch->folder);
+  if (folder) {
+    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+      snprintf(inside, sizeof inside, "%s/%s", scratch->folder, entry->d_name);
+      if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
+      if (unlink(inside)) remove_folder(inside);
+    }
+    closedir(folder);
+  }
+  rmdir(scratch->folder);
+  free(scratch);
+  return 0;
+}
+#define scratch_test(test) cmocka_unit_test_setup_teardown(test, open_scratch, empty_scratch)
 
 /* Fails unless the call failed with `expected` in one printable line that holds every one of the NULL-terminated
  * `parts`. */

@@ -21,7 +21,7 @@ typedef struct Arguments {
   const char *scene_only; /* an option that means nothing for a sphere */
 } Arguments;
 
-enum { KEY_VIEW = 0x200, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS };
+enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS };
 
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
@@ -32,6 +32,7 @@ static const struct argp_option options_table[] = {
     {"bits", KEY_BITS, "8|16", 0, "precision of a PNG (default: 8)", 0},
     {NULL, 0, NULL, 0, "For scenes:", 0},
     {"view", KEY_VIEW, "VIEW", 0, "front, three-quarter, or AZIMUTH,ELEVATION in degrees (default: front)", 0},
+    {"up", KEY_UP, "AXIS", 0, "the mesh's axis that points up: x, y, z, -x, -y or -z (default: y)", 0},
     {"camera", KEY_CAMERA, "KIND", 0, "orthographic or perspective (default: orthographic)", 0},
     {"fov", KEY_FOV, "DEG", 0, "vertical opening of a perspective camera (default: 35)", 0},
     {"margin", KEY_MARGIN, "SHARE", 0, "empty border, share of the picture's side (default: 0.05)", 0},
@@ -63,6 +64,11 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
     case KEY_VIEW:
       arguments->scene_only = "--view";
       return sty_parse_view("--view", text, &arguments->view, &options->error);
+    case KEY_UP:
+      arguments->scene_only = "--up";
+      status = sty_parse_choice("--up", text, sty_up_axis_names, &choice, &options->error);
+      arguments->view.up = (StyUpAxis)choice;
+      return status;
     case KEY_CAMERA:
       arguments->scene_only = "--camera";
       status = sty_parse_choice("--camera", text, cameras, &choice, &options->error);
@@ -124,6 +130,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case 'c':
     case KEY_BITS:
     case KEY_VIEW:
+    case KEY_UP:
     case KEY_CAMERA:
     case KEY_FOV:
     case KEY_MARGIN:

@@ -71,8 +71,6 @@ StyStatus sty_import_guide(const char *name, StyImage **image, StyError *error);
  * what the runtime compares. */
 StyStatus sty_encode_normals(const StyImage *guide, int bits, StyImage **out, StyError *error);
 
-const char *sty_get_ray_library_version(void);
-
 #ifdef __cplusplus
 }
 #endif

@@ -27,9 +27,6 @@ StyStatus sty_read_image(const char *path, StyImage **out, StyError *error);
  * all, and holds the same bytes whenever it is written. */
 StyStatus sty_write_image(const char *path, const StyImage *image, StyError *error);
 
-/* Versions of the linked libraries, for --version. */
-const char *sty_get_image_library_version(void);
-
 #ifdef __cplusplus
 }
 #endif

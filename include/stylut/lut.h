@@ -114,8 +114,6 @@ typedef struct StyLutHints {
 StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHints *hints, StyLut **out,
                          StyError *error);
 
-const char *sty_get_search_library_version(void);
-
 #ifdef __cplusplus
 }
 #endif

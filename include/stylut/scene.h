@@ -49,10 +49,14 @@ StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyScen
 /* Frees and nulls *scene. */
 void sty_destroy_scene(StyScene **scene);
 
-const char *sty_get_mesh_library_version(void);
+/* The world axis that points up. Its "front", where azimuth is 0, is seen from
+ * +Z, and for +Z up from -Y, for -Z up from +Y. */
+typedef enum StyUpAxis { STY_UP_Y, STY_UP_Z, STY_UP_X, STY_UP_MINUS_Y, STY_UP_MINUS_Z, STY_UP_MINUS_X } StyUpAxis;
+extern const char *const sty_up_axis_names[]; /* NULL-terminated, in the enum's order */
 
 /* Where the eye is, as people say it. */
 typedef struct StyView {
+  StyUpAxis up;
   double azimuth;   /* degrees about +Y; 0 looks from +Z, 90 from +X */
   double elevation; /* degrees above the horizon, -90..90 */
   bool perspective; /* else orthographic */

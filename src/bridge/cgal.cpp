@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include "stylut/version.h"
+
 void sty_destroy_field_mesh(StyFieldMesh *mesh) {
   std::free(mesh->vertices);
   std::free(mesh->triangles);

@@ -47,9 +47,6 @@ StyStatus sty_mesh_field(StyField *field, void *context, const StyFieldBounds *b
 /* Frees what *mesh holds and zeroes it. */
 void sty_destroy_field_mesh(StyFieldMesh *mesh);
 
-/* "CGAL 5.5.1", or NULL when not built in. */
-const char *sty_get_geometry_library_version(void);
-
 #ifdef __cplusplus
 }
 #endif

@@ -10,6 +10,7 @@
 
 #include "guide/channels.h"
 #include "scene/vector.h"
+#include "stylut/version.h"
 
 /* Rays travel in blocks of 4 x 2 pixels: eight at a time with the coherent
  * flag is 2.5 times as fast as one at a time. */

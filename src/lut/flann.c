@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "lut/engine.h"
+#include "stylut/version.h"
 
 enum { NEIGHBOURS = 8 };
 

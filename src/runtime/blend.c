@@ -7,28 +7,23 @@ typedef struct Tally {
   uint32_t votes;
 } Tally;
 
-static void add_vote(Tally *tally, const Source *source, int x, int y)
-{
+static void add_vote(Tally *tally, const Source *source, int x, int y) {
   const unsigned char *texel = source->exemplar + ((size_t)y * (size_t)source->width + (size_t)x) * 4;
-  for (int channel = 0; channel < 3; channel++)
-    tally->colour[channel] += (uint32_t)texel[channel] * texel[3];
+  for (int channel = 0; channel < 3; channel++) tally->colour[channel] += (uint32_t)texel[channel] * texel[3];
   tally->alpha += texel[3];
   tally->votes++;
 }
 
 /* Equal depths agree even at infinity; NaN agrees with nothing. */
-static bool is_depth_near(const Source *source, const StyFrame *frame, size_t a, size_t b)
-{
+static bool is_depth_near(const Source *source, const StyFrame *frame, size_t a, size_t b) {
   float tolerance = source->style.depth_tolerance;
-  if (!frame->depth || tolerance == 0 || a == b)
-    return true;
+  if (!frame->depth || tolerance == 0 || a == b) return true;
   float depth_a = frame->depth[a], depth_b = frame->depth[b], difference = depth_a - depth_b;
   return depth_a == depth_b || (difference >= -tolerance && difference <= tolerance);
 }
 
-static Tally count_votes(const StyBundle *bundle, const Source *source, const StyFrame *frame,
-                         const StyMatch *matches, int x, int y)
-{
+static Tally count_votes(const StyBundle *bundle, const Source *source, const StyFrame *frame, const StyMatch *matches,
+                         int x, int y) {
   Tally tally = {{0, 0, 0}, 0, 0};
   size_t index = get_pixel_index(frame, x, y);
   int style = get_pixel_style(bundle, frame, index), radius = source->style.radius;
@@ -40,8 +35,7 @@ static Tally count_votes(const StyBundle *bundle, const Source *source, const St
       if (get_pixel_style(bundle, frame, neighbour) != style || !is_depth_near(source, frame, index, neighbour))
         continue;
       int source_x = matches[neighbour].x - (nx - x), source_y = matches[neighbour].y - (ny - y);
-      if (find_source_texel(source, source_x, source_y))
-        add_vote(&tally, source, source_x, source_y);
+      if (find_source_texel(source, source_x, source_y)) add_vote(&tally, source, source_x, source_y);
     }
   /* A fallback may rest on a masked source pixel; better its colour than a hole. */
   if (tally.votes == 0 && matches[index].x < source->width && matches[index].y < source->height)
@@ -49,22 +43,19 @@ static Tally count_votes(const StyBundle *bundle, const Source *source, const St
   return tally;
 }
 
-static uint16_t divide_rounded(uint64_t dividend, uint64_t divisor)
-{
+static uint16_t divide_rounded(uint64_t dividend, uint64_t divisor) {
   return divisor ? (uint16_t)((dividend + divisor / 2) / divisor) : 0;
 }
 
 /* Both depths round the same fraction once: scale is 1 or 257 = 65535/255. */
-static void resolve_votes(const Tally *tally, uint32_t coverage, uint32_t scale, uint16_t out[4])
-{
+static void resolve_votes(const Tally *tally, uint32_t coverage, uint32_t scale, uint16_t out[4]) {
   for (int channel = 0; channel < 3; channel++)
     out[channel] = divide_rounded((uint64_t)tally->colour[channel] * scale, tally->alpha);
   out[3] = divide_rounded((uint64_t)tally->alpha * coverage * scale, (uint64_t)tally->votes * 255);
 }
 
 StyRuntimeStatus sty_blend_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, const StyMatch *matches,
-                                 int bits, void *out)
-{
+                                 int bits, void *out) {
   if (!matches || !out || (bits != 8 && bits != 16) || !is_frame_valid(bundle, frame, rect))
     return STY_RUNTIME_BAD_ARGUMENT;
 
@@ -79,8 +70,7 @@ StyRuntimeStatus sty_blend_frame(const StyBundle *bundle, const StyFrame *frame,
       if (style != 0) {
         if (style != opened) {
           StyRuntimeStatus status = open_source(bundle, style, &source);
-          if (status != STY_RUNTIME_OK)
-            return status;
+          if (status != STY_RUNTIME_OK) return status;
           opened = style;
         }
         Tally tally = count_votes(bundle, &source, frame, matches, x, y);

@@ -6,10 +6,8 @@ typedef struct Point {
 
 /* Where a coordinate g in [-1,1] falls along a LUT's side. Called with gx for
  * the column and with -gy for the row, since rows count from the top. */
-static int address_fine(float g, int side, unsigned flags)
-{
-  if (g != g)
-    g = 0;
+static int address_fine(float g, int side, unsigned flags) {
+  if (g != g) g = 0;
   g = g < -1 ? -1 : g > 1 ? 1 : g;
   float unit = g * 0.5f + 0.5f;
   int cells = flags & STY_FLAG_UNORM8 ? (int)(unit * (float)(side - 1) + 0.5f) : (int)(unit * (float)side);
@@ -18,21 +16,18 @@ static int address_fine(float g, int side, unsigned flags)
 
 /* The same for a byte that stands for g = (2b-255)/255. 255 is odd, so rounding
  * never meets a tie and 255 - b may stand in for -g. */
-static int address_byte(int b, int side, unsigned flags)
-{
+static int address_byte(int b, int side, unsigned flags) {
   int cells = flags & STY_FLAG_UNORM8 ? (2 * b * (side - 1) + 255) / 510 : b * side / 255;
   return cells < side ? cells : side - 1;
 }
 
-static int decode_coordinate(uint32_t value, int side)
-{
+static int decode_coordinate(uint32_t value, int side) {
   int coordinate = (int)(value * (uint32_t)side / 65535);
   return coordinate < side ? coordinate : side - 1;
 }
 
 /* LUT(guide at a frame's pixel). */
-static Point look_up(const Source *source, const StyFrame *frame, size_t index)
-{
+static Point look_up(const Source *source, const StyFrame *frame, size_t index) {
   int side = source->lut_side, column, row;
   unsigned flags = source->style.flags;
   if (frame->fine) {
@@ -48,8 +43,7 @@ static Point look_up(const Source *source, const StyFrame *frame, size_t index)
 }
 
 /* floor(h * (b + jitter/255)): h*b is whole, so only the jitter is rounded. */
-static Point place_seed(const unsigned char *jitter, int cell_x, int cell_y, int h)
-{
+static Point place_seed(const unsigned char *jitter, int cell_x, int cell_y, int h) {
   size_t column = (unsigned)cell_x % STY_JITTER_SIZE, row = (unsigned)cell_y % STY_JITTER_SIZE;
   const unsigned char *j = jitter + (row * STY_JITTER_SIZE + column) * 2;
   return (Point){h * cell_x + h * j[0] / 255, h * cell_y + h * j[1] / 255};
@@ -57,8 +51,7 @@ static Point place_seed(const unsigned char *jitter, int cell_x, int cell_y, int
 
 /* The order of the loops and the strict comparison decide between seeds that
  * are equally near. */
-static Point find_nearest_seed(const unsigned char *jitter, Point p, int h)
-{
+static Point find_nearest_seed(const unsigned char *jitter, Point p, int h) {
   Point nearest = {0, 0};
   int least = INT32_MAX;
   for (int dx = -1; dx <= 1; dx++)
@@ -73,24 +66,20 @@ static Point find_nearest_seed(const unsigned char *jitter, Point p, int h)
   return nearest;
 }
 
-static int sum_differences(const unsigned char *a, const unsigned char *b)
-{
+static int sum_differences(const unsigned char *a, const unsigned char *b) {
   int sum = 0;
   for (int channel = 0; channel < 3; channel++)
     sum += a[channel] > b[channel] ? a[channel] - b[channel] : b[channel] - a[channel];
   return sum;
 }
 
-static StyMatch match_pixel(const Source *source, const unsigned char *jitter, const StyFrame *frame, Point p)
-{
+static StyMatch match_pixel(const Source *source, const unsigned char *jitter, const StyFrame *frame, Point p) {
   size_t index = get_pixel_index(frame, p.x, p.y);
   for (int level = source->style.top_level; level >= 0; level--) {
     Point seed = find_nearest_seed(jitter, p, 1 << level);
-    if (!contains_pixel(frame, seed.x, seed.y))
-      continue;
+    if (!contains_pixel(frame, seed.x, seed.y)) continue;
     size_t seed_index = get_pixel_index(frame, seed.x, seed.y);
-    if (frame->guide[seed_index * 4 + 3] == 0)
-      continue;
+    if (frame->guide[seed_index * 4 + 3] == 0) continue;
     Point found = look_up(source, frame, seed_index);
     Point candidate = {found.x + p.x - seed.x, found.y + p.y - seed.y};
     const unsigned char *texel = find_source_texel(source, candidate.x, candidate.y);
@@ -101,10 +90,8 @@ static StyMatch match_pixel(const Source *source, const unsigned char *jitter, c
   return (StyMatch){(uint16_t)own.x, (uint16_t)own.y, STY_LEVEL_FALLBACK};
 }
 
-StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches)
-{
-  if (!matches || !is_frame_valid(bundle, frame, rect))
-    return STY_RUNTIME_BAD_ARGUMENT;
+StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches) {
+  if (!matches || !is_frame_valid(bundle, frame, rect)) return STY_RUNTIME_BAD_ARGUMENT;
 
   const StyTexture *tables = &bundle->textures[STY_BUNDLE_JITTER];
   const unsigned char *jitter = get_layer(tables, (size_t)frame->jitter_frame % tables->layers);
@@ -120,8 +107,7 @@ StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *fra
       }
       if (style != opened) {
         StyRuntimeStatus status = open_source(bundle, style, &source);
-        if (status != STY_RUNTIME_OK)
-          return status;
+        if (status != STY_RUNTIME_OK) return status;
         opened = style;
       }
       matches[index] = match_pixel(&source, jitter, frame, (Point){x, y});

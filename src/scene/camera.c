@@ -11,6 +11,15 @@ static const double CLEARANCE = 0.01;
 
 /* ---- views ---- */
 
+const char *const sty_up_axis_names[] = {"y", "z", "x", "-y", "-z", "-x", NULL};
+
+/* Right, up and front of the world for each up axis; right-handed. */
+static const double FRAMES[][3][3] = {
+    [STY_UP_Y] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},        [STY_UP_Z] = {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
+    [STY_UP_X] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},       [STY_UP_MINUS_Y] = {{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}},
+    [STY_UP_MINUS_Z] = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, [STY_UP_MINUS_X] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}},
+};
+
 static StyStatus parse_angles(const char *what, const char *text, double *azimuth, double *elevation, StyError *error) {
   const char *comma = strchr(text, ',');
   char first[32];
@@ -60,9 +69,12 @@ static void set_axes(const StyView *view, StyCamera *camera) {
   double sa, ca, se, ce;
   get_sine_cosine(view->azimuth, &sa, &ca);
   get_sine_cosine(view->elevation, &se, &ce);
-  const double back[3] = {sa * ce, se, ca * ce}, right[3] = {ca, 0, -sa};
-  for (int k = 0; k < 3; k++) camera->back[k] = back[k], camera->right[k] = right[k];
-  cross_vectors(back, right, camera->up);
+  const double(*world)[3] = FRAMES[view->up];
+  for (int k = 0; k < 3; k++) {
+    camera->back[k] = sa * ce * world[0][k] + se * world[1][k] + ca * ce * world[2][k];
+    camera->right[k] = ca * world[0][k] - sa * world[2][k];
+  }
+  cross_vectors(camera->back, camera->right, camera->up);
 }
 
 /* Vertex v in the view's axes. */

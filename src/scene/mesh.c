@@ -17,6 +17,7 @@
 #include "scene/vector.h"
 #include "stylut/file.h"
 #include "stylut/scene.h"
+#include "stylut/version.h"
 
 /* Depth and position must fit a float, at the distance of a 1-degree camera too. */
 static const double LARGEST_COORDINATE = 1e30;

@@ -276,18 +276,18 @@ static void test_paths(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_output_appears_on_commit),
-      cmocka_unit_test(test_output_replaces),
-      cmocka_unit_test(test_discarding_nothing),
-      cmocka_unit_test(test_two_writers),
-      cmocka_unit_test(test_output_mode),
-      cmocka_unit_test(test_output_in_bad_places),
-      cmocka_unit_test(test_failed_write),
-      cmocka_unit_test(test_check_file),
-      cmocka_unit_test(test_read_file),
-      cmocka_unit_test(test_map_file),
-      cmocka_unit_test(test_hash_file),
-      cmocka_unit_test(test_paths),
+      scratch_test(test_output_appears_on_commit),
+      scratch_test(test_output_replaces),
+      scratch_test(test_discarding_nothing),
+      scratch_test(test_two_writers),
+      scratch_test(test_output_mode),
+      scratch_test(test_output_in_bad_places),
+      scratch_test(test_failed_write),
+      scratch_test(test_check_file),
+      scratch_test(test_read_file),
+      scratch_test(test_map_file),
+      scratch_test(test_hash_file),
+      scratch_test(test_paths),
   };
-  return cmocka_run_group_tests(tests, open_scratch, close_scratch);
+  return cmocka_run_group_tests(tests, NULL, NULL);
 }

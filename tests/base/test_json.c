@@ -347,10 +347,10 @@ static void test_integers(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_read),          cmocka_unit_test(test_broken_texts), cmocka_unit_test(test_other_roots),
-      cmocka_unit_test(test_zero_byte),     cmocka_unit_test(test_deep_nesting), cmocka_unit_test(test_size_limit),
-      cmocka_unit_test(test_places),        cmocka_unit_test(test_random_places), cmocka_unit_test(test_keys),
-      cmocka_unit_test(test_strings),       cmocka_unit_test(test_numbers),      cmocka_unit_test(test_integers),
+      scratch_test(test_read),          scratch_test(test_broken_texts), scratch_test(test_other_roots),
+      scratch_test(test_zero_byte),     scratch_test(test_deep_nesting), scratch_test(test_size_limit),
+      scratch_test(test_places),        scratch_test(test_random_places), scratch_test(test_keys),
+      scratch_test(test_strings),       scratch_test(test_numbers),      scratch_test(test_integers),
   };
-  return cmocka_run_group_tests(tests, open_scratch, close_scratch);
+  return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -354,15 +354,9 @@ static void test_analytic_refuses(void **state) {
   expect_no_sphere(make_guide(ALL_EQUAL, SIDE, SIDE, &random), "a plane");
 
   StyImage *guide = make_sphere(SIDE, SIDE);
-  float *a = sty_find_channel(guide, "A"), *x = sty_find_channel(guide, "normal.X"),
-        *y = sty_find_channel(guide, "normal.Y");
+  float *a, *x, *y = sty_find_channel(guide, "normal.Y");
   for (int i = 0; i < COUNT; i++) y[i] = -y[i];
   expect_no_sphere(guide, "a sphere upside down");
-
-  guide = make_sphere(SIDE, SIDE);
-  a = sty_find_channel(guide, "A");
-  a[SIDE / 2 * SIDE + SIDE / 2] = 0;
-  expect_no_sphere(guide, "a sphere with a hole");
 
   guide = make_sphere(SIDE, SIDE);
   x = sty_find_channel(guide, "normal.X");
@@ -377,6 +371,38 @@ static void test_analytic_refuses(void **state) {
     if (x[i] * x[i] + y[i] * y[i] > 1) a[i] = x[i] = y[i] = 0;
   }
   expect_no_sphere(guide, "a small sphere");
+}
+
+/* Pixels may be missing from a sphere: the answer is never one of those, and still about the best there is. */
+static void test_analytic_with_holes(void **state) {
+  (void)state;
+  enum { SIDE = 40 };
+  uint64_t random = 16;
+  for (int trial = 0; trial < CASES(60, 12); trial++) {
+    StyImage *guide = make_sphere(SIDE, SIDE);
+    float *a = sty_find_channel(guide, "A");
+    const int cx = draw_below(&random, SIDE), cy = draw_below(&random, SIDE), radius = 1 + draw_below(&random, 12);
+    for (int i = 0; i < SIDE * SIDE; i++) {
+      const int dx = i % SIDE - cx, dy = i / SIDE - cy;
+      if (dx * dx + dy * dy < radius * radius) a[i] = 0;
+    }
+    StySites *sites = collect(guide);
+    StyLut *lut = build(sites, "analytic", 33, STY_SAMPLE_CENTRE, 1);
+    StyLut *reference = build(sites, "brute", 33, STY_SAMPLE_CENTRE, 1);
+    for (int t = 0; t < 33 * 33; t++) {
+      float g[2];
+      sty_get_texel_value(lut, t % 33, t / 33, g);
+      assert_true(a[lut->pixels[t]] > 0);
+      if (g[0] * g[0] + g[1] * g[1] > 1) continue;
+      if (lut->errors[t] > reference->errors[t] + 2.0f / SIDE)
+        fail_msg("hole of %d at (%d, %d): (%g, %g) is answered %g off, best %g", radius, cx, cy, (double)g[0],
+                 (double)g[1], (double)lut->errors[t], (double)reference->errors[t]);
+    }
+    sty_destroy_lut(&reference);
+    sty_destroy_lut(&lut);
+    sty_destroy_sites(&sites);
+    sty_destroy_image(&guide);
+  }
 }
 
 static void test_bad_sizes(void **state) {
@@ -406,6 +432,7 @@ int main(void) {
       cmocka_unit_test(test_analytic),
       cmocka_unit_test(test_analytic_on_large_spheres),
       cmocka_unit_test(test_analytic_refuses),
+      cmocka_unit_test(test_analytic_with_holes),
       cmocka_unit_test(test_bad_sizes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

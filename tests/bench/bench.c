@@ -1,0 +1,770 @@
+/* Speed and memory beside a reference that runs alternately with it, so that
+ * both meet the same weather on the machine. Prints CSV lines
+ *   row,variant,runs,median_ms,rate,rate_unit,ratio,reference
+ * where the ratio is the reference's time over the row's (above 1: faster than
+ * the reference); for memory, the bytes taken over the bytes held. Nothing is
+ * judged here.
+ * Usage: bench SECTION STYLUT EXEMPLARS SCRATCH; each section wants a process
+ * of its own, because a child's peak memory starts at its parent's. */
+#include <embree3/rtcore.h>
+#include <fcntl.h>
+#include <flann/flann.h>
+#include <math.h>
+#include <spawn.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "stylut/guide.h"
+#include "stylut/image_io.h"
+#include "stylut/json.h"
+#include "stylut/lut.h"
+#include "stylut/pack.h"
+
+/* All odd, so that a median is one of the runs. */
+enum { RUNS = 7, STARTS = 11, MEMORY_RUNS = 3, LARGEST_RUNS = STARTS };
+enum { WIDTH = 1920, HEIGHT = 1080, PIXELS = WIDTH * HEIGHT };
+
+static const int thread_counts[] = {1, 2};
+enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
+
+/* What main was called with. */
+typedef struct Paths {
+  const char *stylut, *exemplars, *scratch;
+} Paths;
+
+/* ---- failing ---- */
+
+static void fail(const char *format, ...) __attribute__((format(printf, 1, 2), noreturn));
+static void fail(const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  fprintf(stderr, "bench: ");
+  vfprintf(stderr, format, arguments);
+  fprintf(stderr, "\n");
+  va_end(arguments);
+  exit(EXIT_FAILURE);
+}
+
+static void require(StyStatus status, const StyError *error) {
+  if (status) fail("%s", error->text);
+}
+
+static void *allocate(size_t size) {
+  void *memory = malloc(size);
+  if (!memory) fail("found too little memory for %zu bytes", size);
+  return memory;
+}
+
+static char *join(const char *folder, const char *name) {
+  char *path = sty_join_path(folder, name);
+  if (!path) fail("found too little memory for a path");
+  return path;
+}
+
+/* ---- times ---- */
+
+typedef struct Series {
+  double values[LARGEST_RUNS];
+  int count;
+} Series;
+
+static double get_milliseconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+static void add_value(Series *series, double value) { series->values[series->count++] = value; }
+
+static int compare_values(const void *a, const void *b) {
+  const double *x = a, *y = b;
+  return (*x > *y) - (*x < *y);
+}
+
+static double get_median(const Series *series) {
+  Series sorted = *series;
+  qsort(sorted.values, (size_t)sorted.count, sizeof *sorted.values, compare_values);
+  return sorted.values[sorted.count / 2];
+}
+
+/* ---- rows ---- */
+
+/* Numbers that don't apply are NAN and leave their field empty. */
+static void print_number(double value) {
+  if (isnan(value))
+    printf(",");
+  else
+    printf("%.3f,", value);
+}
+
+static void print_row(const char *row, const char *variant, const Series *times, double rate, const char *unit,
+                      double ratio, const char *reference) {
+  printf("%s,%s,%d,", row, variant, times->count);
+  print_number(get_median(times));
+  print_number(rate);
+  printf("%s,", unit);
+  print_number(ratio);
+  printf("%s\n", reference);
+  fflush(stdout);
+}
+
+/* A row whose rate is `work` a second; `work` is in units that `unit` names, e.g. millions of rays. */
+static void print_times(const char *row, const char *variant, const Series *times, double work, const char *unit,
+                        const Series *reference, const char *reference_name) {
+  const double median = get_median(times);
+  const double ratio = reference ? get_median(reference) / median : NAN;
+  print_row(row, variant, times, work / median * 1e3, unit, ratio, reference ? reference_name : "");
+}
+
+/* "WHAT, 1 thread" without the comma, which CSV would mind. */
+static const char *name_threads(char *out, size_t size, const char *what, int threads) {
+  snprintf(out, size, "%s %d thread%s", what, threads, threads == 1 ? "" : "s");
+  return out;
+}
+
+/* ---- processes ---- */
+
+/* Runs a program to its successful end; milliseconds. Its stdout goes to the file `output`. */
+static double run_program(const char *const *arguments, const char *output) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output, O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  pid_t child;
+  int status = -1;
+  const double start = get_milliseconds();
+  if (posix_spawn(&child, arguments[0], &actions, NULL, (char *const *)arguments, environ) != 0)
+    fail("%s does not start", arguments[0]);
+  if (waitpid(child, &status, 0) != child || status != 0)
+    fail("%s %s: found status %d, expected success", arguments[0], arguments[1], status);
+  const double time = get_milliseconds() - start;
+  posix_spawn_file_actions_destroy(&actions);
+  return time;
+}
+
+/* ---- the bare ray loop ---- */
+
+/* Order of rays and start of orthographic ones, as in src/guide/trace.c. */
+enum { BLOCK_WIDTH = 4, BLOCK_HEIGHT = 2, TILE = 32 };
+enum { COLUMNS = (WIDTH + TILE - 1) / TILE, ROWS = (HEIGHT + TILE - 1) / TILE };
+static const double start_slack = 1.0 / 1024;
+
+typedef struct Bare {
+  const StyCamera *camera;
+  RTCDevice device;
+  RTCScene tree;
+  double sums[COLUMNS * ROWS]; /* of distances; one a tile, so that the result is used */
+  size_t hits[COLUMNS * ROWS];
+} Bare;
+
+static void build_bare(Bare *bare, const StyScene *scene) {
+  bare->device = rtcNewDevice("threads=1");
+  bare->tree = rtcNewScene(bare->device);
+  rtcSetSceneFlags(bare->tree, RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(bare->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene->positions, 0,
+                             3 * sizeof *scene->positions, scene->vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene->indices, 0,
+                             3 * sizeof *scene->indices, scene->triangle_count);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(bare->tree, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(bare->tree);
+  if (rtcGetDeviceError(bare->device) != RTC_ERROR_NONE) fail("Embree fails on %zu triangles", scene->triangle_count);
+}
+
+static void release_bare(Bare *bare) {
+  rtcReleaseScene(bare->tree);
+  rtcReleaseDevice(bare->device);
+}
+
+static void set_ray(const StyCamera *camera, int x, int y, struct RTCRayHit *out) {
+  const double s = ((x + 0.5) / WIDTH * 2 - 1) * camera->half_width;
+  const double t = (1 - (y + 0.5) / HEIGHT * 2) * camera->half_height;
+  double origin[3], direction[3];
+  for (int k = 0; k < 3; k++) {
+    const double film = s * camera->right[k] + t * camera->up[k];
+    origin[k] = camera->perspective ? camera->eye[k] : camera->eye[k] + film + start_slack * camera->back[k];
+    direction[k] = camera->perspective ? film - camera->back[k] : -camera->back[k];
+  }
+  out->ray = (struct RTCRay){.org_x = (float)origin[0],
+                             .org_y = (float)origin[1],
+                             .org_z = (float)origin[2],
+                             .dir_x = (float)direction[0],
+                             .dir_y = (float)direction[1],
+                             .dir_z = (float)direction[2],
+                             .tfar = INFINITY,
+                             .mask = ~0u};
+  out->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  out->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
+static void trace_bare_pixel(Bare *bare, long tile, struct RTCIntersectContext *context, int x, int y) {
+  if (x >= WIDTH || y >= HEIGHT) return;
+  struct RTCRayHit ray;
+  set_ray(bare->camera, x, y, &ray);
+  rtcIntersect1(bare->tree, context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
+  bare->sums[tile] += (double)ray.ray.tfar;
+  bare->hits[tile]++;
+}
+
+static StyStatus trace_bare_tile(void *context, long tile, StyError *error) {
+  (void)error;
+  Bare *bare = context;
+  const int x0 = (int)(tile % COLUMNS) * TILE, y0 = (int)(tile / COLUMNS) * TILE;
+  struct RTCIntersectContext rays;
+  rtcInitIntersectContext(&rays);
+  bare->sums[tile] = 0;
+  bare->hits[tile] = 0;
+  for (int y = y0; y < y0 + TILE; y += BLOCK_HEIGHT)
+    for (int x = x0; x < x0 + TILE; x += BLOCK_WIDTH)
+      for (int i = 0; i < BLOCK_WIDTH * BLOCK_HEIGHT; i++)
+        trace_bare_pixel(bare, tile, &rays, x + i % BLOCK_WIDTH, y + i / BLOCK_WIDTH);
+  return STY_OK;
+}
+
+/* Milliseconds. */
+static double trace_bare(Bare *bare, int threads) {
+  const StyRun run = {.threads = threads};
+  const double start = get_milliseconds();
+  require(sty_parallel_for(&run, COLUMNS * ROWS, trace_bare_tile, bare, NULL), NULL);
+  return get_milliseconds() - start;
+}
+
+/* ---- section: guide ---- */
+
+static const StyView three_quarter = {.azimuth = 35, .elevation = 20, .fov = 35, .margin = 0.05};
+
+static StyScene *read_creature(const char *path) {
+  StyError error;
+  StyScene *scene = NULL;
+  require(sty_read_mesh(path, NULL, &scene, &error), &error);
+  return scene;
+}
+
+static StyCamera fit_camera(const StyScene *scene) {
+  StyError error;
+  StyCamera camera;
+  require(sty_fit_camera(scene, &three_quarter, WIDTH, HEIGHT, &camera, &error), &error);
+  return camera;
+}
+
+static size_t count_covered(const StyImage *guide) {
+  const float *covered = sty_find_channel(guide, "A");
+  size_t count = 0;
+  for (size_t i = 0; i < sty_count_pixels(guide); i++) count += covered[i] > 0;
+  return count;
+}
+
+/* Both loops must have done the same work: edges may fall to either side, no more. */
+static void compare_hits(const Bare *bare, const StyImage *guide) {
+  const size_t covered = count_covered(guide);
+  size_t hits = 0;
+  double sum = 0;
+  for (int i = 0; i < COLUMNS * ROWS; i++) {
+    hits += bare->hits[i];
+    sum += bare->sums[i];
+  }
+  const size_t difference = hits > covered ? hits - covered : covered - hits;
+  if (!isfinite(sum) || difference > PIXELS / 10000)
+    fail("the bare loop hits %zu pixels and the guide covers %zu", hits, covered);
+}
+
+typedef struct GuideTimes {
+  Series rays; /* rays and shading alone */
+  Series call; /* with the picture's allocation and the tree */
+} GuideTimes;
+
+static void time_guide(const StyScene *scene, const StyCamera *camera, unsigned groups, int threads, const Bare *bare,
+                       GuideTimes *times) {
+  const StyTraceOptions options = {WIDTH, HEIGHT, groups, false};
+  const StyRun run = {.threads = threads};
+  StyError error;
+  StyTraceTimes parts;
+  StyImage *guide = NULL;
+  const double start = get_milliseconds();
+  require(sty_trace_guide(scene, camera, &options, &run, &parts, &guide, &error), &error);
+  add_value(&times->call, get_milliseconds() - start);
+  add_value(&times->rays, parts.trace_ms);
+  compare_hits(bare, guide);
+  sty_destroy_image(&guide);
+}
+
+/* The guide's rays beside the bare loop's, for one camera and number of threads. */
+static void bench_rays(const char *what, const StyScene *scene, const StyCamera *camera, int threads) {
+  static const char *const lists[] = {"normal,depth", "all"};
+  static const char *const names[] = {"normal+depth", "all channels"};
+  static Bare bare;
+  unsigned groups[2];
+  Series rays = {0}, call = {0};
+  GuideTimes times[2] = {0};
+  for (int g = 0; g < 2; g++) require(sty_parse_channels("bench", lists[g], &groups[g], NULL), NULL);
+  bare.camera = camera;
+  for (int run = 0; run < RUNS; run++) {
+    const double start = get_milliseconds();
+    build_bare(&bare, scene);
+    add_value(&rays, trace_bare(&bare, threads));
+    add_value(&call, get_milliseconds() - start);
+    for (int g = 0; g < 2; g++) time_guide(scene, camera, groups[g], threads, &bare, &times[g]);
+    release_bare(&bare);
+  }
+  const double work = PIXELS / 1e6;
+  char row[64], variant[64];
+  name_threads(row, sizeof row, what, threads);
+  print_times(row, "bare loop", &rays, work, "Mrays/s", NULL, NULL);
+  for (int g = 0; g < 2; g++) print_times(row, names[g], &times[g].rays, work, "Mrays/s", &rays, "bare loop");
+  print_times(row, "bare loop and tree", &call, work, "Mrays/s", NULL, NULL);
+  for (int g = 0; g < 2; g++) {
+    snprintf(variant, sizeof variant, "%s whole call", names[g]);
+    print_times(row, variant, &times[g].call, work, "Mrays/s", &call, "bare loop and tree");
+  }
+}
+
+/* Mesh to distances without a picture. */
+static double run_bare(const char *mesh) {
+  static Bare bare;
+  const double start = get_milliseconds();
+  StyScene *scene = read_creature(mesh);
+  const StyCamera camera = fit_camera(scene);
+  bare.camera = &camera;
+  build_bare(&bare, scene);
+  trace_bare(&bare, 0);
+  release_bare(&bare);
+  sty_destroy_scene(&scene);
+  return get_milliseconds() - start;
+}
+
+/* The whole command, from process start to the picture in its place. */
+static void bench_guide_command(const Paths *paths, const char *mesh) {
+  char *picture = join(paths->scratch, "guide.exr");
+  const char *const lists[] = {"normal,depth", "all"}, *const names[] = {"normal+depth", "all channels"};
+  Series bare = {0}, whole[2] = {0};
+  for (int run = 0; run < RUNS; run++) {
+    add_value(&bare, run_bare(mesh));
+    for (int g = 0; g < 2; g++) {
+      const char *const command[] = {paths->stylut, "guide",      "scene",  mesh, "--view", "three-quarter", "--size",
+                                     "1920x1080",   "--channels", lists[g], "-o", picture,  "--quiet",       NULL};
+      add_value(&whole[g], run_program(command, "/dev/null"));
+    }
+  }
+  const double work = PIXELS / 1e6;
+  print_times("guide command", "bare loop with mesh and tree", &bare, work, "Mrays/s", NULL, NULL);
+  for (int g = 0; g < 2; g++)
+    print_times("guide command", names[g], &whole[g], work, "Mrays/s", &bare, "bare loop with mesh and tree");
+  free(picture);
+}
+
+static void bench_guide(const Paths *paths) {
+  char *mesh = join(paths->exemplars, "creature.ply");
+  StyScene *scene = read_creature(mesh);
+  const StyCamera camera = fit_camera(scene);
+  StyCamera near = camera; /* the body fills the picture: all rays are shaded */
+  near.half_width /= 4;
+  near.half_height /= 4;
+  for (int t = 0; t < THREAD_COUNTS; t++) bench_rays("guide", scene, &camera, thread_counts[t]);
+  for (int t = 0; t < THREAD_COUNTS; t++) bench_rays("guide close-up", scene, &near, thread_counts[t]);
+  sty_destroy_scene(&scene);
+  bench_guide_command(paths, mesh);
+  free(mesh);
+}
+
+/* ---- section: lut ---- */
+
+enum { SPHERE = 512, TABLE = 256, LARGEST_ENGINES = 16 };
+
+static StyImage *make_sphere(int side) {
+  StyError error;
+  StyImage *guide = NULL;
+  require(sty_make_sphere_guide(side, side, STY_GUIDE_NORMAL, &guide, &error), &error);
+  return guide;
+}
+
+static StySites *collect_sites(const StyImage *guide) {
+  StyError error;
+  StySites *sites = NULL;
+  require(sty_collect_sites("sphere", guide, &sites, &error), &error);
+  return sites;
+}
+
+static double time_engine(const StyEngine *engine, const StySites *sites, int threads) {
+  const StyRun run = {.threads = threads};
+  StyError error;
+  StyLut *lut = NULL;
+  const double start = get_milliseconds();
+  require(sty_build_lut(sites, engine, TABLE, STY_SAMPLE_CENTRE, &run, &lut, &error), &error);
+  const double time = get_milliseconds() - start;
+  sty_destroy_lut(&lut);
+  return time;
+}
+
+/* FLANN as one finds it: one neighbour, whichever of several it happens to be. */
+static double time_flann(const StySites *sites, int threads) {
+  StyError error;
+  StyLut *lut = NULL;
+  const size_t texels = (size_t)TABLE * TABLE;
+  float *queries = allocate(2 * texels * sizeof *queries), *distances = allocate(texels * sizeof *distances), speedup;
+  int *found = allocate(texels * sizeof *found);
+  require(sty_create_lut(TABLE, STY_SAMPLE_CENTRE, sites->width, sites->height, &lut, &error), &error);
+  const double start = get_milliseconds();
+  struct FLANNParameters parameters = DEFAULT_FLANN_PARAMETERS;
+  parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
+  parameters.leaf_max_size = 10;
+  parameters.cores = threads;
+  parameters.log_level = FLANN_LOG_NONE;
+  for (size_t t = 0; t < texels; t++) sty_get_texel_value(lut, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
+  flann_index_t index = flann_build_index_float(sites->values, (int)sites->count, 2, &speedup, &parameters);
+  if (!index || flann_find_nearest_neighbors_index_float(index, queries, (int)texels, found, distances, 1, &parameters))
+    fail("FLANN fails on %zu points", sites->count);
+  for (size_t t = 0; t < texels; t++) lut->pixels[t] = sites->pixels[found[t]];
+  flann_free_index_float(index, &parameters);
+  const double time = get_milliseconds() - start;
+  sty_destroy_lut(&lut);
+  free(queries);
+  free(distances);
+  free(found);
+  return time;
+}
+
+static void bench_lut(const Paths *paths) {
+  (void)paths;
+  StyImage *guide = make_sphere(SPHERE);
+  StySites *sites = collect_sites(guide);
+  sty_destroy_image(&guide);
+  const StyEngine *peer = NULL;
+  StyError error;
+  require(sty_find_engine("bench", "flann-single", &peer, &error), &error);
+
+  static Series times[LARGEST_ENGINES][THREAD_COUNTS], raw[THREAD_COUNTS];
+  for (int run = 0; run < RUNS; run++)
+    for (int t = 0; t < THREAD_COUNTS; t++) {
+      for (int e = 0; sty_engines[e].name && e < LARGEST_ENGINES; e++)
+        if (e > 0 || run == 0) /* the first looks at every pixel: once is enough */
+          add_value(&times[e][t], time_engine(&sty_engines[e], sites, thread_counts[t]));
+      add_value(&raw[t], time_flann(sites, thread_counts[t]));
+    }
+  for (int t = 0; t < THREAD_COUNTS; t++) {
+    char row[64];
+    name_threads(row, sizeof row, "lut", thread_counts[t]);
+    const Series *reference = &times[peer - sty_engines][t];
+    const double work = (double)TABLE * TABLE / 1e6;
+    for (int e = 0; sty_engines[e].name && e < LARGEST_ENGINES; e++)
+      print_times(row, sty_engines[e].name, &times[e][t], work, "Mtexels/s", reference, peer->name);
+    print_times(row, "raw FLANN k=1 no ties", &raw[t], work, "Mtexels/s", reference, peer->name);
+  }
+  sty_destroy_sites(&sites);
+}
+
+/* ---- section: pack ---- */
+
+/* What can't be spared: each picture decoded once, one table built. */
+static double time_pack_parts(const StyManifest *manifest) {
+  StyError error;
+  const double start = get_milliseconds();
+  int side = 0;
+  for (int i = 0; i < manifest->style_count; i++) {
+    char *path = join(manifest->folder, manifest->styles[i].exemplar);
+    StyImage *image = NULL;
+    require(sty_read_image(path, &image, &error), &error);
+    side = image->width;
+    sty_destroy_image(&image);
+    free(path);
+  }
+  const StyManifestStyle *style = &manifest->styles[0];
+  const StyEngine *engine = NULL;
+  StyLut *lut = NULL;
+  require(sty_find_engine("bench", style->lut_engine, &engine, &error), &error);
+  StyImage *guide = make_sphere(side);
+  StySites *sites = collect_sites(guide);
+  require(sty_build_lut(sites, engine, style->lut_size, STY_SAMPLE_UNORM8, NULL, &lut, &error), &error);
+  const double time = get_milliseconds() - start;
+  sty_destroy_lut(&lut);
+  sty_destroy_sites(&sites);
+  sty_destroy_image(&guide);
+  return time;
+}
+
+static void bench_pack(const Paths *paths) {
+  char *path = join(paths->exemplars, "styles.json"), *bundle = join(paths->scratch, "packed");
+  const char *const command[] = {paths->stylut, "pack", path, "-o", bundle, "--quiet", NULL};
+  StyError error;
+  StyManifest manifest;
+  require(sty_read_manifest(path, &manifest, &error), &error);
+  Series parts = {0}, whole = {0};
+  time_pack_parts(&manifest); /* loads OpenImageIO */
+  for (int run = 0; run < RUNS; run++) {
+    add_value(&parts, time_pack_parts(&manifest));
+    add_value(&whole, run_program(command, "/dev/null"));
+  }
+  print_times("pack", "parts: decode and one lut", &parts, manifest.style_count, "styles/s", NULL, NULL);
+  print_times("pack", "command", &whole, manifest.style_count, "styles/s", &parts, "parts: decode and one lut");
+  sty_close_manifest(&manifest);
+  free(path);
+  free(bundle);
+}
+
+/* ---- section: stylize ---- */
+
+enum { STYLIZE_TILE = 64, STYLIZE_COLUMNS = (WIDTH + STYLIZE_TILE - 1) / STYLIZE_TILE };
+enum { STYLIZE_TILES = STYLIZE_COLUMNS * ((HEIGHT + STYLIZE_TILE - 1) / STYLIZE_TILE) };
+
+typedef struct Stylizing {
+  const StyBundle *bundle;
+  StyFrame frame;
+  StyMatch *matches;
+  uint8_t *picture;
+} Stylizing;
+
+static StyRect get_tile(long i) {
+  const int x = (int)(i % STYLIZE_COLUMNS) * STYLIZE_TILE, y = (int)(i / STYLIZE_COLUMNS) * STYLIZE_TILE;
+  return (StyRect){x, y, x + STYLIZE_TILE < WIDTH ? x + STYLIZE_TILE : WIDTH,
+                   y + STYLIZE_TILE < HEIGHT ? y + STYLIZE_TILE : HEIGHT};
+}
+
+static StyStatus transfer_tile(void *context, long i, StyError *error) {
+  const Stylizing *work = context;
+  const StyRuntimeStatus status = sty_transfer_frame(work->bundle, &work->frame, get_tile(i), work->matches);
+  return status ? sty_fail(error, STY_ERROR_LIBRARY, "%s", sty_describe_runtime_status(status)) : STY_OK;
+}
+
+static StyStatus blend_tile(void *context, long i, StyError *error) {
+  const Stylizing *work = context;
+  const StyRuntimeStatus status =
+      sty_blend_frame(work->bundle, &work->frame, get_tile(i), work->matches, 8, work->picture);
+  return status ? sty_fail(error, STY_ERROR_LIBRARY, "%s", sty_describe_runtime_status(status)) : STY_OK;
+}
+
+static double time_tiles(Stylizing *work, StyStatus (*tile)(void *context, long i, StyError *error), int threads) {
+  const StyRun run = {.threads = threads};
+  StyError error;
+  const double start = get_milliseconds();
+  require(sty_parallel_for(&run, STYLIZE_TILES, tile, work, &error), &error);
+  return get_milliseconds() - start;
+}
+
+/* A height field of waves that leaves no pixel bare; its slopes reach about 60 degrees. */
+static StyImage *make_waves(void) {
+  static const char *const names[] = {"A", "normal.X", "normal.Y", "normal.Z"};
+  StyError error;
+  StyImage *guide = NULL;
+  require(sty_create_image(WIDTH, HEIGHT, 4, names, 32, &guide, &error), &error);
+  for (size_t i = 0; i < PIXELS; i++) {
+    const double x = (double)(i % WIDTH), y = (double)(i / WIDTH);
+    const double shared = 0.5 * sin((x + y) / 91);
+    const double dx = 1.2 * sin(x / 37) + shared, dy = 1.2 * cos(y / 53) + shared;
+    const double length = sqrt(dx * dx + dy * dy + 1);
+    guide->data[i] = 1;
+    guide->data[PIXELS + i] = (float)(-dx / length);
+    guide->data[2 * (size_t)PIXELS + i] = (float)(-dy / length);
+    guide->data[3 * (size_t)PIXELS + i] = (float)(1 / length);
+  }
+  return guide;
+}
+
+static StyImage *trace_creature(const Paths *paths) {
+  char *mesh = join(paths->exemplars, "creature.ply");
+  StyScene *scene = read_creature(mesh);
+  const StyCamera camera = fit_camera(scene);
+  const StyTraceOptions options = {WIDTH, HEIGHT, STY_GUIDE_NORMAL, false};
+  StyError error;
+  StyImage *guide = NULL;
+  require(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error), &error);
+  sty_destroy_scene(&scene);
+  free(mesh);
+  return guide;
+}
+
+static void bench_frame(const char *what, const StyBundle *bundle, const StyImage *guide) {
+  StyError error;
+  StyImage *encoded = NULL;
+  uint8_t *bytes = allocate(4 * (size_t)PIXELS);
+  float *fine = allocate(2 * (size_t)PIXELS * sizeof *fine);
+  require(sty_encode_normals(guide, 8, &encoded, &error), &error);
+  require(sty_convert_to_rgba8(what, encoded, bytes, &error), &error);
+  sty_destroy_image(&encoded);
+  const float *x = sty_find_channel(guide, "normal.X"), *y = sty_find_channel(guide, "normal.Y");
+  for (size_t i = 0; i < PIXELS; i++) fine[2 * i] = x[i], fine[2 * i + 1] = y[i];
+  Stylizing work = {.bundle = bundle,
+                    .frame = {.width = WIDTH, .height = HEIGHT, .guide = bytes, .fine = fine, .style = 1},
+                    .matches = allocate(PIXELS * sizeof *work.matches),
+                    .picture = allocate(4 * (size_t)PIXELS)};
+  Series transfer[THREAD_COUNTS] = {0}, blend[THREAD_COUNTS] = {0};
+  for (int run = 0; run < RUNS; run++)
+    for (int t = 0; t < THREAD_COUNTS; t++) {
+      add_value(&transfer[t], time_tiles(&work, transfer_tile, thread_counts[t]));
+      add_value(&blend[t], time_tiles(&work, blend_tile, thread_counts[t]));
+    }
+  const double covered = (double)count_covered(guide) / 1e6;
+  char row[64], variant[64];
+  snprintf(row, sizeof row, "stylize %s", what);
+  for (int t = 0; t < THREAD_COUNTS; t++)
+    print_times(row, name_threads(variant, sizeof variant, "transfer", thread_counts[t]), &transfer[t], covered,
+                "Mpixels/s", t ? &transfer[0] : NULL, "1 thread");
+  for (int t = 0; t < THREAD_COUNTS; t++)
+    print_times(row, name_threads(variant, sizeof variant, "blend", thread_counts[t]), &blend[t], covered, "Mpixels/s",
+                t ? &blend[0] : NULL, "1 thread");
+  free(bytes);
+  free(fine);
+  free(work.matches);
+  free(work.picture);
+}
+
+static void bench_stylize(const Paths *paths) {
+  char *manifest = join(paths->exemplars, "styles.json"), *folder = join(paths->scratch, "bundle");
+  const char *const command[] = {paths->stylut, "pack", manifest, "-o", folder, "--quiet", NULL};
+  StyError error;
+  StyLoadedBundle bundle;
+  run_program(command, "/dev/null");
+  require(sty_load_bundle(folder, NULL, NULL, &bundle, &error), &error);
+  StyImage *guide = trace_creature(paths);
+  bench_frame("creature", &bundle.bundle, guide);
+  sty_destroy_image(&guide);
+  guide = make_waves();
+  bench_frame("waves", &bundle.bundle, guide);
+  sty_destroy_image(&guide);
+  sty_unload_bundle(&bundle);
+  free(manifest);
+  free(folder);
+}
+
+/* ---- section: startup ---- */
+
+static void bench_startup(const Paths *paths) {
+  const char *const nothing[] = {"/bin/true", NULL, NULL}, *const version[] = {paths->stylut, "--version", NULL};
+  Series least = {0}, ours = {0};
+  for (int run = 0; run < STARTS; run++) {
+    add_value(&least, run_program(nothing, "/dev/null"));
+    add_value(&ours, run_program(version, "/dev/null"));
+  }
+  print_times("startup", "/bin/true", &least, 1, "starts/s", NULL, NULL);
+  print_times("startup", "stylut --version", &ours, 1, "starts/s", &least, "/bin/true");
+}
+
+/* ---- section: memory ---- */
+
+/* What a command with --format json said of itself. */
+typedef struct Account {
+  Series times, peaks; /* milliseconds, bytes */
+  double unique;       /* of a table's sites */
+} Account;
+
+static Account account_for(const Paths *paths, const char *const *command) {
+  char *report = join(paths->scratch, "report.json");
+  Account account = {0};
+  for (int run = 0; run < MEMORY_RUNS; run++) {
+    StyDocument document;
+    StyError error;
+    double peak = 0;
+    add_value(&account.times, run_program(command, report));
+    require(sty_read_document(report, &document, &error), &error);
+    require(sty_get_number(&document, NULL, document.root, "peak_bytes", 1, 1e15, &peak, &error), &error);
+    require(sty_get_number(&document, NULL, document.root, "unique", 0, 1e15, &account.unique, &error), &error);
+    sty_close_document(&document);
+    add_value(&account.peaks, peak);
+  }
+  free(report);
+  return account;
+}
+
+/* `idle` is the same command with next to nothing to do, `held` the bytes of its own data. */
+static void print_memory(const char *row, const char *variant, const Account *busy, const Account *idle, double held) {
+  const double taken = get_median(&busy->peaks) - get_median(&idle->peaks);
+  char reference[64];
+  snprintf(reference, sizeof reference, "%.1f MB of data", held / 1e6);
+  print_row(row, variant, &busy->times, taken / 1e6, "MB over idle", taken / held, reference);
+}
+
+static void print_idle(const char *row, const Account *idle) {
+  print_row(row, "idle: everything loaded", &idle->times, get_median(&idle->peaks) / 1e6, "MB", NAN, "");
+}
+
+static void write_triangle(const char *path) {
+  FILE *file = fopen(path, "w");
+  if (!file) fail("%s cannot be written", path);
+  fputs(
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+      file);
+  if (fclose(file) != 0) fail("%s cannot be written", path);
+}
+
+static Account trace_for_memory(const Paths *paths, const char *mesh, const char *size) {
+  char *picture = join(paths->scratch, "memory.exr");
+  const char *const command[] = {paths->stylut, "guide", "scene", mesh,    "--view",   "three-quarter", "--size", size,
+                                 "--channels",  "all",   "-o",    picture, "--format", "json",          NULL};
+  const Account account = account_for(paths, command);
+  free(picture);
+  return account;
+}
+
+static void bench_guide_memory(const Paths *paths) {
+  char *mesh = join(paths->exemplars, "creature.ply"), *triangle = join(paths->scratch, "triangle.ply");
+  write_triangle(triangle);
+  const Account idle = trace_for_memory(paths, triangle, "8"), busy = trace_for_memory(paths, mesh, "1920x1080");
+  StyScene *scene = read_creature(mesh);
+  const double picture = 9.0 * PIXELS * sizeof(float); /* A, normal, depth, position, object */
+  const double vertices = (double)scene->vertex_count * 6 * sizeof(float);
+  const double triangles = (double)scene->triangle_count * 4 * sizeof(uint32_t);
+  print_idle("memory of guide scene", &idle);
+  print_memory("memory of guide scene", "1920x1080 all channels", &busy, &idle, picture + vertices + triangles);
+  sty_destroy_scene(&scene);
+  free(mesh);
+  free(triangle);
+}
+
+static Account index_for_memory(const Paths *paths, int side, int size) {
+  char *guide = join(paths->scratch, "sphere.exr"), *table = join(paths->scratch, "lut.exr"), sides[16], sizes[16];
+  snprintf(sides, sizeof sides, "%d", side);
+  snprintf(sizes, sizeof sizes, "%d", size);
+  const char *const sphere[] = {paths->stylut, "guide", "sphere", "--size",  sides, "--channels",
+                                "normal",      "-o",    guide,    "--quiet", NULL};
+  const char *const lut[] = {paths->stylut, "lut", guide, "--size", sizes, "-o", table, "--format", "json", NULL};
+  run_program(sphere, "/dev/null");
+  const Account account = account_for(paths, lut);
+  free(guide);
+  free(table);
+  return account;
+}
+
+static void bench_lut_memory(const Paths *paths) {
+  static const int sides[] = {512, 1024}, sizes[] = {256, 1024};
+  const Account idle = index_for_memory(paths, 8, 8);
+  print_idle("memory of lut", &idle);
+  for (int a = 0; a < 2; a++)
+    for (int b = 0; b < 2; b++) {
+      const Account busy = index_for_memory(paths, sides[a], sizes[b]);
+      const double guide = 4.0 * sides[a] * sides[a] * sizeof(float); /* A and normal */
+      const double sites = busy.unique * (2 * sizeof(float) + sizeof(uint32_t));
+      const double table = (double)sizes[b] * sizes[b] * (sizeof(uint32_t) + sizeof(float));
+      char variant[64];
+      snprintf(variant, sizeof variant, "sphere %d to table %d", sides[a], sizes[b]);
+      print_memory("memory of lut", variant, &busy, &idle, guide + sites + table);
+    }
+}
+
+static void bench_memory(const Paths *paths) {
+  bench_guide_memory(paths);
+  bench_lut_memory(paths);
+}
+
+/* ---- main ---- */
+
+int main(int argc, char **argv) {
+  static const struct {
+    const char *name;
+    void (*run)(const Paths *paths);
+  } sections[] = {{"guide", bench_guide},     {"lut", bench_lut},         {"pack", bench_pack},
+                  {"stylize", bench_stylize}, {"startup", bench_startup}, {"memory", bench_memory}};
+  for (size_t s = 0; argc == 5 && s < sizeof sections / sizeof *sections; s++) {
+    if (strcmp(argv[1], sections[s].name) != 0) continue;
+    const Paths paths = {argv[2], argv[3], argv[4]};
+    sections[s].run(&paths);
+    return EXIT_SUCCESS;
+  }
+  fail("usage: bench guide|lut|pack|stylize|startup|memory STYLUT EXEMPLARS SCRATCH");
+}

@@ -1,0 +1,281 @@
+#include "../scratch.h"
+#include "stylut/pack.h"
+
+static StyStatus read_text(Scratch *scratch, const char *text, StyManifest *manifest, StyError *error) {
+  return sty_read_manifest(write_bytes(scratch, "m.json", text, strlen(text)), manifest, error);
+}
+
+static void open_text(Scratch *scratch, const char *text, StyManifest *manifest) {
+  StyError error = {STY_OK, ""};
+  if (read_text(scratch, text, manifest, &error) != STY_OK) fail_msg("%s", error.text);
+}
+
+#define HEAD "{\"schema\": \"stylut-bundle/1\",\n \"styles\": "
+#define ONE "{\"name\": \"a\", \"exemplar\": \"a.png\"}"
+
+static void test_defaults(void **state) {
+  Scratch *scratch = *state;
+  StyManifest manifest = {0};
+  open_text(scratch, HEAD "[" ONE "]}", &manifest);
+  assert_string_equal(manifest.folder, scratch->folder);
+  assert_null(manifest.jitter);
+  assert_int_equal(manifest.style_count, 1);
+  const StyManifestStyle *style = manifest.styles;
+  assert_string_equal(style->name, "a");
+  assert_string_equal(style->exemplar, "a.png");
+  assert_string_equal(style->guide, "sphere");
+  assert_null(style->lut_file);
+  assert_string_equal(style->lut_engine, "auto");
+  assert_int_equal(style->lut_size, 256);
+  assert_string_equal(style->lut_sampling, "unorm8");
+  assert_int_equal(style->parameters.threshold, 24);
+  assert_in_range(style->parameters.top_level, 0, STY_MAX_LEVEL);
+  assert_in_range(style->parameters.radius, 0, STY_MAX_RADIUS);
+  assert_true(style->parameters.depth_tolerance >= 0);
+  sty_close_manifest(&manifest);
+}
+
+static void test_every_key(void **state) {
+  Scratch *scratch = *state;
+  StyManifest manifest = {0};
+  open_text(scratch,
+            HEAD "[{\"name\": \"first\", \"exemplar\": \"x/a.png\", \"guide\": \"g.exr\",\n"
+                 "  \"lut\": {\"size\": 64, \"engine\": \"brute\", \"resolve\": \"nearest\", \"sampling\": \"centre\"},\n"
+                 "  \"params\": {\"threshold\": 100, \"top_level\": 5, \"radius\": 3, \"depth_tolerance\": 0.25}},\n"
+                 " {\"name\": \"second\", \"exemplar\": \"b.png\", \"lut\": \"table.png\"},\n"
+                 " {\"name\": \"third\", \"exemplar\": \"c.png\", \"lut\": {\"file\": \"t.exr\", \"sampling\": "
+                 "\"centre\"}}],\n"
+                 " \"jitter\": \"noise.png\"}",
+            &manifest);
+  assert_int_equal(manifest.style_count, 3);
+  assert_string_equal(manifest.jitter, "noise.png");
+  const StyManifestStyle *first = manifest.styles, *second = first + 1, *third = first + 2;
+  assert_string_equal(first->name, "first");
+  assert_string_equal(first->exemplar, "x/a.png");
+  assert_string_equal(first->guide, "g.exr");
+  assert_int_equal(first->lut_size, 64);
+  assert_string_equal(first->lut_engine, "brute");
+  assert_string_equal(first->lut_sampling, "centre");
+  assert_null(first->lut_file);
+  assert_int_equal(first->parameters.threshold, 100);
+  assert_int_equal(first->parameters.top_level, 5);
+  assert_int_equal(first->parameters.radius, 3);
+  assert_true(first->parameters.depth_tolerance == 0.25f);
+  assert_string_equal(second->lut_file, "table.png");
+  assert_null(second->lut_sampling);
+  assert_string_equal(third->lut_file, "t.exr");
+  assert_string_equal(third->lut_sampling, "centre");
+  sty_close_manifest(&manifest);
+}
+
+/* `text` holds one '@' before the value at fault: its place is the one that the message must give. */
+static void expect_fault(Scratch *scratch, const char *marked, const char *key) {
+  char text[4096], place[1024];
+  const char *at = strchr(marked, '@');
+  assert_non_null(at);
+  snprintf(text, sizeof text, "%.*s%s", (int)(at - marked), marked, at + 1);
+  int line = 1, column = 1;
+  for (const char *c = marked; c < at; c++) {
+    column = *c == '\n' ? 1 : column + 1;
+    line += *c == '\n';
+  }
+  StyManifest manifest = {0};
+  StyError error = {STY_OK, ""};
+  const StyStatus status = read_text(scratch, text, &manifest, &error);
+  if (status == STY_OK) fail_msg("passes: %s", text);
+  snprintf(place, sizeof place, "%s:%d:%d:", scratch->path, line, column);
+  expect_message(status, STY_ERROR_INPUT, &error, PARTS(place, key));
+  assert_null(manifest.styles);
+  assert_null(manifest.document.root);
+}
+
+static void test_wrong_types(void **state) {
+  Scratch *scratch = *state;
+  static const char *const not_strings[] = {"5", "null", "true", "[\"a\"]", "{}"};
+  static const char *const not_integers[] = {"\"5\"", "null", "true", "[5]", "{}", "1.5"};
+  char text[1024];
+  for (int i = 0; i < 5; i++) {
+    const char *bad = not_strings[i];
+    snprintf(text, sizeof text, "{\"schema\": @%s, \"styles\": [" ONE "]}", bad);
+    expect_fault(scratch, text, "schema");
+    snprintf(text, sizeof text, HEAD "[" ONE "],\n\n \"jitter\": @%s}", bad);
+    expect_fault(scratch, text, "jitter");
+    snprintf(text, sizeof text, HEAD "[{\"name\": @%s, \"exemplar\": \"a.png\"}]}", bad);
+    expect_fault(scratch, text, "name");
+    snprintf(text, sizeof text, HEAD "[" ONE ",\n{\"name\": \"b\", \"exemplar\": @%s}]}", bad);
+    expect_fault(scratch, text, "exemplar");
+    snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\",\n\"guide\" :@%s}]}", bad);
+    expect_fault(scratch, text, "guide");
+    if (strcmp(bad, "{}") != 0) {
+      snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\",\n\"lut\" : @%s}]}", bad);
+      expect_fault(scratch, text, "lut");
+      snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\",\n\"params\" : @%s}]}", bad);
+      expect_fault(scratch, text, "params");
+      snprintf(text, sizeof text, HEAD "[\n@%s]}", bad);
+      expect_fault(scratch, text, "styles");
+    }
+    static const char *const keys[] = {"engine", "resolve", "sampling", "file"};
+    for (int k = 0; k < 4; k++) {
+      snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"lut\": {\"%s\": @%s}}]}", keys[k],
+               bad);
+      expect_fault(scratch, text, keys[k]);
+    }
+  }
+  for (int i = 0; i < 6; i++) {
+    static const char *const keys[] = {"threshold", "top_level", "radius"};
+    for (int k = 0; k < 3; k++) {
+      snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"params\": {\"%s\": @%s}}]}",
+               keys[k], not_integers[i]);
+      expect_fault(scratch, text, keys[k]);
+    }
+    if (i < 5) {
+      snprintf(text, sizeof text,
+               HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"params\": {\"depth_tolerance\": @%s}}]}",
+               not_integers[i]);
+      expect_fault(scratch, text, "depth_tolerance");
+    }
+    snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"lut\": {\"size\": @%s}}]}",
+             not_integers[i]);
+    expect_fault(scratch, text, "size");
+  }
+  static const char *const not_lists[] = {"5", "null", "\"a\"", "{}", ONE};
+  for (int i = 0; i < 5; i++) {
+    snprintf(text, sizeof text, "{\"schema\": \"stylut-bundle/1\",\n \"styles\": @%s}", not_lists[i]);
+    expect_fault(scratch, text, "styles");
+  }
+}
+
+static void test_ranges(void **state) {
+  Scratch *scratch = *state;
+  static const struct {
+    const char *key;
+    int least, most;
+  } keys[] = {{"threshold", 0, STY_MAX_THRESHOLD}, {"top_level", 0, STY_MAX_LEVEL}, {"radius", 0, STY_MAX_RADIUS}};
+  char text[1024];
+  for (int k = 0; k < 3; k++) {
+    const char *format = HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"params\": {\"%s\": %s%d}}]}";
+    for (int end = 0; end < 2; end++) {
+      StyManifest manifest = {0};
+      snprintf(text, sizeof text, format, keys[k].key, "", end ? keys[k].most : keys[k].least);
+      open_text(scratch, text, &manifest);
+      sty_close_manifest(&manifest);
+      snprintf(text, sizeof text, format, keys[k].key, "@", end ? keys[k].most + 1 : keys[k].least - 1);
+      expect_fault(scratch, text, keys[k].key);
+    }
+  }
+  static const char *const sizes[] = {"0", "-1", "8193", "4294967552"};
+  for (int i = 0; i < 4; i++) {
+    snprintf(text, sizeof text, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"lut\": {\"size\": @%s}}]}",
+             sizes[i]);
+    expect_fault(scratch, text, "size");
+  }
+  expect_fault(scratch, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"params\": {\"depth_tolerance\": @-0.1}}]}",
+               "depth_tolerance");
+  /* A float in the file: what doesn't fit one is refused here and not found as infinity later. */
+  expect_fault(scratch, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"params\": {\"depth_tolerance\": @1e300}}]}",
+               "depth_tolerance");
+  expect_fault(scratch, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"lut\": {\"sampling\": @\"center\"}}]}",
+               "sampling");
+  expect_fault(scratch, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"lut\": {\"resolve\": @\"best\"}}]}",
+               "resolve");
+  expect_fault(scratch, "{\"styles\": [" ONE "], \"schema\": @\"stylut-bundle/2\"}", "schema");
+}
+
+static void expect_refusal(Scratch *scratch, const char *text, const char *first, const char *second) {
+  StyManifest manifest = {0};
+  StyError error = {STY_OK, ""};
+  const StyStatus status = read_text(scratch, text, &manifest, &error);
+  if (status == STY_OK) fail_msg("passes: %s", text);
+  expect_message(status, STY_ERROR_INPUT, &error, PARTS(scratch->path, first, second));
+  assert_null(manifest.styles);
+}
+
+static void test_unknown_keys(void **state) {
+  Scratch *scratch = *state;
+  expect_refusal(scratch, HEAD "[" ONE "],\n \"jiter\": \"a\"}", ":3:", "jiter");
+  expect_refusal(scratch, HEAD "[{\"name\": \"a\",\n\"exemplar\": \"a\",\n\"Guide\": \"g\"}]}", ":4:", "Guide");
+  expect_refusal(scratch, HEAD "[{\"name\": \"a\", \"exemplar\": \"a\",\n\"lut\": {\"sise\": 5}}]}", ":3:", "sise");
+  expect_refusal(scratch, HEAD "[{\"name\": \"a\", \"exemplar\": \"a\",\n\"params\": {\"rad\": 5}}]}", ":3:", "rad");
+}
+
+static void test_missing_keys(void **state) {
+  Scratch *scratch = *state;
+  expect_refusal(scratch, "{\"styles\": [" ONE "]}", "schema", "");
+  expect_refusal(scratch, "{\"schema\": \"stylut-bundle/1\"}", "styles", "");
+  expect_refusal(scratch, HEAD "[{\"exemplar\": \"a\"}]}", "name", "");
+  expect_refusal(scratch, HEAD "[{\"name\": \"a\"}]}", "exemplar", "");
+  expect_refusal(scratch, "{}", "", "");
+}
+
+static void test_duplicates(void **state) {
+  Scratch *scratch = *state;
+  expect_refusal(scratch, HEAD "[" ONE ",\n" ONE "]}", ":3:", "a");
+  expect_refusal(scratch, HEAD "[" ONE ", {\"name\": \"b\", \"exemplar\": \"a\"},\n\n" ONE "]}", ":4:", "a");
+  expect_refusal(scratch, HEAD "[{\"name\": \"a\", \"exemplar\": \"a\",\n\"name\": \"b\"}]}", ":3:", "name");
+  expect_refusal(scratch, HEAD "[" ONE "], \"styles\": []}", ":2:", "styles");
+}
+
+static void test_number_of_styles(void **state) {
+  Scratch *scratch = *state;
+  expect_fault(scratch, "{\"schema\": \"stylut-bundle/1\", \"styles\": @[]}", "styles");
+  for (int count = STY_MAX_STYLES; count <= STY_MAX_STYLES + 1; count++) {
+    char *text = malloc(20000);
+    assert_non_null(text);
+    size_t used = (size_t)sprintf(text, HEAD "[");
+    for (int i = 0; i < count; i++)
+      used += (size_t)sprintf(text + used, "%s{\"name\": \"s%d\", \"exemplar\": \"a\"}", i ? "," : "", i);
+    strcpy(text + used, "]}");
+    if (count == STY_MAX_STYLES) {
+      StyManifest manifest = {0};
+      open_text(scratch, text, &manifest);
+      assert_int_equal(manifest.style_count, STY_MAX_STYLES);
+      assert_string_equal(manifest.styles[255].name, "s255");
+      sty_close_manifest(&manifest);
+    } else {
+      expect_refusal(scratch, text, ":2:", "256");
+    }
+    free(text);
+  }
+}
+
+static void test_not_a_manifest(void **state) {
+  Scratch *scratch = *state;
+  expect_refusal(scratch, "", "", "");
+  expect_refusal(scratch, "[]", "", "");
+  expect_refusal(scratch, "\"stylut-bundle/1\"", "", "");
+  expect_refusal(scratch, HEAD "[" ONE "]", ":2:", "");
+  expect_refusal(scratch, HEAD "[" ONE "]}}", ":2:", "");
+  expect_refusal(scratch, HEAD "[" ONE ",\n]}", ":3:", "");
+  StyManifest manifest = {0};
+  StyError error = {STY_OK, ""};
+  expect_message(sty_read_manifest(path_in(scratch, "missing.json"), &manifest, &error), STY_ERROR_FILE, &error,
+                 PARTS("missing.json"));
+  expect_message(sty_read_manifest(scratch->folder, &manifest, &error), STY_ERROR_FILE, &error,
+                 PARTS(scratch->folder));
+}
+
+/* Cut anywhere, a manifest is refused, and no byte behind the cut is looked at. */
+static void test_truncated(void **state) {
+  Scratch *scratch = *state;
+  static const char text[] = HEAD
+      "[{\"name\": \"a\", \"exemplar\": \"a\", \"lut\": {\"size\": 64}, \"params\": {\"radius\": 1}}], \"jitter\": \"j\"}";
+  for (size_t length = 0; length < sizeof text - 1; length++) {
+    char cut[sizeof text];
+    memcpy(cut, text, length);
+    cut[length] = 0;
+    expect_refusal(scratch, cut, "", "");
+  }
+  StyManifest manifest = {0};
+  open_text(scratch, text, &manifest);
+  sty_close_manifest(&manifest);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      scratch_test(test_defaults),     scratch_test(test_every_key),        scratch_test(test_wrong_types),
+      scratch_test(test_ranges),       scratch_test(test_unknown_keys),     scratch_test(test_missing_keys),
+      scratch_test(test_duplicates),   scratch_test(test_number_of_styles), scratch_test(test_not_a_manifest),
+      scratch_test(test_truncated),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
