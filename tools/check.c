@@ -31,7 +31,8 @@ static const struct argp_option options_table[] = {
 
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
-  if (!arguments->lut) return sty_fail(error, STY_ERROR_USAGE, "check: found no table, expected a file name");
+  const StyStatus status = require_argument(&arguments->options, arguments->lut, "the table's file name");
+  if (status) return status;
   if (!arguments->guide)
     return sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the guide the table was made for");
   return STY_OK;
@@ -44,11 +45,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      if (arguments->lut)
-        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->lut);
-      arguments->lut = text;
-      break;
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->lut, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case KEY_GUIDE: arguments->guide = text; break;
     case KEY_TOLERANCE: status = sty_parse_number("--tolerance", text, 0, 255, &arguments->tolerance, error); break;

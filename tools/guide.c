@@ -116,15 +116,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   switch (key) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG:
-      if (!arguments->kind) {
-        arguments->kind = text;
-      } else if (!arguments->mesh) {
-        arguments->mesh = text;
-      } else {
-        return end_option(sty_fail(&arguments->options.error, STY_ERROR_USAGE,
-                                   "found '%s', expected nothing after '%s'", text, arguments->mesh));
-      }
-      return 0;
+      return end_option(
+          take_argument(&arguments->options, arguments->kind ? &arguments->mesh : &arguments->kind, text));
     case ARGP_KEY_END: return end_option(check_arguments(arguments));
     case 's':
     case 'c':

@@ -16,19 +16,13 @@ typedef struct Arguments {
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
-  StyError *error = &arguments->options.error;
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      if (arguments->file)
-        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->file);
-      arguments->file = text;
-      break;
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->file, text); break;
     case ARGP_KEY_END:
-      if (!arguments->file)
-        status = sty_fail(error, STY_ERROR_USAGE, "info: found no file, expected a picture, table or bundle");
+      status = require_argument(&arguments->options, arguments->file, "a picture, a table or a bundle");
       break;
     default: return ARGP_ERR_UNKNOWN;
   }

@@ -39,8 +39,8 @@ static bool ends_in_exr(const char *path) {
 
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
-  if (!arguments->guide) return sty_fail(error, STY_ERROR_USAGE, "lut: found no guide, expected a file name");
-  StyStatus status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
+  StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
+  if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
   if (!status) status = require_output(&arguments->options);
   if (status) return status;
   const bool exr = ends_in_exr(arguments->options.output);
@@ -60,11 +60,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      if (arguments->guide)
-        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->guide);
-      arguments->guide = text;
-      break;
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->guide, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case 's':
       status = sty_parse_integer("--size", text, 1, STY_MAX_LUT_SIZE, &number, error);

@@ -174,6 +174,16 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
   return explain_option(argp, argv[0], next > 0 && next <= argc ? argv[next - 1] : "", &options->error);
 }
 
+StyStatus take_argument(Options *options, const char **slot, const char *text) {
+  if (*slot) return sty_fail(&options->error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, *slot);
+  *slot = text;
+  return STY_OK;
+}
+
+StyStatus require_argument(Options *options, const char *argument, const char *expected) {
+  return argument ? STY_OK : sty_fail(&options->error, STY_ERROR_USAGE, "found no argument, expected %s", expected);
+}
+
 StyStatus require_output(Options *options) {
   if (options->output) return STY_OK;
   return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");

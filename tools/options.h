@@ -43,6 +43,12 @@ error_t end_option(StyStatus status);
  * options.error is filled. */
 StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *arguments);
 
+/* Puts the command's one argument into *slot; a second one is an error. */
+StyStatus take_argument(Options *options, const char **slot, const char *text);
+
+/* The argument must have been given; `expected` says what it is. */
+StyStatus require_argument(Options *options, const char *argument, const char *expected);
+
 /* "-o FILE is missing" for commands that write. */
 StyStatus require_output(Options *options);
 

@@ -17,19 +17,14 @@ typedef struct Arguments {
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
-  StyError *error = &arguments->options.error;
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      if (arguments->manifest)
-        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->manifest);
-      arguments->manifest = text;
-      break;
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->manifest, text); break;
     case ARGP_KEY_END:
-      status = arguments->manifest ? require_output(&arguments->options)
-                                   : sty_fail(error, STY_ERROR_USAGE, "pack: found no manifest, expected a file name");
+      status = require_argument(&arguments->options, arguments->manifest, "the manifest's file name");
+      if (!status) status = require_output(&arguments->options);
       break;
     default: return ARGP_ERR_UNKNOWN;
   }

@@ -31,7 +31,8 @@ static const struct argp_option options_table[] = {
 
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
-  if (!arguments->bundle) return sty_fail(error, STY_ERROR_USAGE, "stylize: found no bundle, expected a folder");
+  const StyStatus status = require_argument(&arguments->options, arguments->bundle, "the bundle's folder");
+  if (status) return status;
   if (!arguments->guide)
     return sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
   return require_output(&arguments->options);
@@ -46,11 +47,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      if (arguments->bundle)
-        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->bundle);
-      arguments->bundle = text;
-      break;
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->bundle, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case KEY_GUIDE: arguments->guide = text; break;
     case KEY_STYLE: arguments->style = text; break;

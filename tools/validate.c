@@ -13,19 +13,12 @@ typedef struct Arguments {
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
-  StyError *error = &arguments->options.error;
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      if (arguments->bundle)
-        status = sty_fail(error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, arguments->bundle);
-      arguments->bundle = text;
-      break;
-    case ARGP_KEY_END:
-      if (!arguments->bundle) status = sty_fail(error, STY_ERROR_USAGE, "validate: found no bundle, expected a folder");
-      break;
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->bundle, text); break;
+    case ARGP_KEY_END: status = require_argument(&arguments->options, arguments->bundle, "the bundle's folder"); break;
     default: return ARGP_ERR_UNKNOWN;
   }
   return end_option(status);

@@ -193,7 +193,8 @@ static void expect_figures(const StyLut *lut, const StyLut *exact, const StyImag
     get_normal(x[p], y[p], given);
     if (a[p] > 0) {
       /* The chord between two unit vectors is 2 sin(angle/2). */
-      const double chord = sqrt(pow(asked[0] - given[0], 2) + pow(asked[1] - given[1], 2) + pow(asked[2] - given[2], 2));
+      const double chord =
+          sqrt(pow(asked[0] - given[0], 2) + pow(asked[1] - given[1], 2) + pow(asked[2] - given[2], 2));
       angle = 2 * asin(fmin(1, chord / 2)) * 180 / acos(-1);
     } else {
       background++;
@@ -311,7 +312,10 @@ static void expect_json_figures(const json_t *object, const StyFigures *figures)
     assert_int_equal(json_array_size(pair), 2);
     for (size_t k = 0; k < 2; k++)
       expect_near(json_number_value(json_array_get(pair, k)),
-                  p == 0 ? figures->texel[k] : p == 1 ? (double)figures->value[k] : figures->source[k], 1e-5, places[p]);
+                  p == 0   ? figures->texel[k]
+                  : p == 1 ? (double)figures->value[k]
+                           : figures->source[k],
+                  1e-5, places[p]);
   }
 }
 
@@ -345,10 +349,14 @@ static void test_json(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_by_hand),        cmocka_unit_test(test_lookup_by_hand),
-      cmocka_unit_test(test_sphere),         cmocka_unit_test(test_half_a_sphere),
-      cmocka_unit_test(test_random_tables),  cmocka_unit_test(test_all_background),
-      cmocka_unit_test(test_sizes_that_do_not_fit), cmocka_unit_test(test_json),
+      cmocka_unit_test(test_by_hand),
+      cmocka_unit_test(test_lookup_by_hand),
+      cmocka_unit_test(test_sphere),
+      cmocka_unit_test(test_half_a_sphere),
+      cmocka_unit_test(test_random_tables),
+      cmocka_unit_test(test_all_background),
+      cmocka_unit_test(test_sizes_that_do_not_fit),
+      cmocka_unit_test(test_json),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

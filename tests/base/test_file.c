@@ -183,8 +183,7 @@ static void test_read_file(void **state) {
   free(data);
   data = NULL;
   unlink(scratch->path);
-  expect_message(sty_read_file(scratch->path, 100, &data, &size, &error), STY_ERROR_FILE, &error,
-                 PARTS(scratch->path));
+  expect_message(sty_read_file(scratch->path, 100, &data, &size, &error), STY_ERROR_FILE, &error, PARTS(scratch->path));
   expect_message(sty_read_file(scratch->folder, 100, &data, &size, &error), STY_ERROR_FILE, &error,
                  PARTS(scratch->folder));
   assert_null(data);
@@ -264,8 +263,8 @@ static void test_paths(void **state) {
     assert_string_equal(path, joined[i][2]);
     free(path);
   }
-  static const char *const folders[][2] = {
-      {"a/b/c.png", "a/b"}, {"c.png", "."}, {"/c.png", "/"}, {"./c.png", "."}, {"../c.png", ".."}, {"/a/c", "/a"}};
+  static const char *const folders[][2] = {{"a/b/c.png", "a/b"}, {"c.png", "."},     {"/c.png", "/"},
+                                           {"./c.png", "."},     {"../c.png", ".."}, {"/a/c", "/a"}};
   for (size_t i = 0; i < sizeof folders / sizeof *folders; i++) {
     char *folder = sty_get_folder(folders[i][0]);
     assert_non_null(folder);

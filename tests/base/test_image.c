@@ -34,8 +34,15 @@ static void test_new_image(void **state) {
 
 static void test_limits(void **state) {
   (void)state;
-  static const int sizes[][2] = {{0, 1}, {1, 0}, {-1, 1}, {1, -5}, {STY_MAX_SIDE + 1, 1}, {1, STY_MAX_SIDE + 1},
-                                 {16385, 16384}, {STY_MAX_SIDE, STY_MAX_SIDE}, {INT32_MAX, INT32_MAX},
+  static const int sizes[][2] = {{0, 1},
+                                 {1, 0},
+                                 {-1, 1},
+                                 {1, -5},
+                                 {STY_MAX_SIDE + 1, 1},
+                                 {1, STY_MAX_SIDE + 1},
+                                 {16385, 16384},
+                                 {STY_MAX_SIDE, STY_MAX_SIDE},
+                                 {INT32_MAX, INT32_MAX},
                                  {INT32_MIN, INT32_MIN}};
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
     StyImage *image = NULL;
@@ -159,9 +166,9 @@ static void test_rgba8_refusals(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_new_image),       cmocka_unit_test(test_limits),
-      cmocka_unit_test(test_long_names),      cmocka_unit_test(test_attributes),
-      cmocka_unit_test(test_rgba8_of_bytes),  cmocka_unit_test(test_rgba8_of_words),
+      cmocka_unit_test(test_new_image),      cmocka_unit_test(test_limits),
+      cmocka_unit_test(test_long_names),     cmocka_unit_test(test_attributes),
+      cmocka_unit_test(test_rgba8_of_bytes), cmocka_unit_test(test_rgba8_of_words),
       cmocka_unit_test(test_rgba8_refusals),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -121,8 +121,7 @@ static void test_size_limit(void **state) {
   free(text);
   unlink(scratch->path);
   expect_message(sty_read_document(scratch->path, &document, &error), STY_ERROR_FILE, &error, PARTS(scratch->path));
-  expect_message(sty_read_document(scratch->folder, &document, &error), STY_ERROR_FILE, &error,
-                 PARTS(scratch->folder));
+  expect_message(sty_read_document(scratch->folder, &document, &error), STY_ERROR_FILE, &error, PARTS(scratch->folder));
 }
 
 static void expect_place(const StyDocument *document, const StyPath *path, const json_t *found, int line, int column,
@@ -197,7 +196,8 @@ static const char *const keys[] = {"a", "b", "ab", "a]", "}", ",", ":", "{\\\"a\
 static const char *const plain_keys[] = {"a", "b", "ab", "a]", "}", ",", ":", "{\"a\":"};
 
 static void put_value(Writer *writer, const StyPath *path, int depth) {
-  static const char *const scalars[] = {"1", "-2.5e-3", "true", "null", "\"\"", "\"]}\"", "\"\\\\\"", "\"\\\"a\\\":1\""};
+  static const char *const scalars[] = {"1",    "-2.5e-3", "true",     "null",
+                                        "\"\"", "\"]}\"",  "\"\\\\\"", "\"\\\"a\\\":1\""};
   if (path) {
     writer->lines[writer->count - 1] = writer->line;
     writer->columns[writer->count - 1] = writer->column;
@@ -347,10 +347,10 @@ static void test_integers(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      scratch_test(test_read),          scratch_test(test_broken_texts), scratch_test(test_other_roots),
-      scratch_test(test_zero_byte),     scratch_test(test_deep_nesting), scratch_test(test_size_limit),
-      scratch_test(test_places),        scratch_test(test_random_places), scratch_test(test_keys),
-      scratch_test(test_strings),       scratch_test(test_numbers),      scratch_test(test_integers),
+      scratch_test(test_read),      scratch_test(test_broken_texts),  scratch_test(test_other_roots),
+      scratch_test(test_zero_byte), scratch_test(test_deep_nesting),  scratch_test(test_size_limit),
+      scratch_test(test_places),    scratch_test(test_random_places), scratch_test(test_keys),
+      scratch_test(test_strings),   scratch_test(test_numbers),       scratch_test(test_integers),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

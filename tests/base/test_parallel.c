@@ -123,8 +123,8 @@ static void test_progress(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_threads),         cmocka_unit_test(test_every_item_once),
-      cmocka_unit_test(test_lowest_failure),  cmocka_unit_test(test_last_item_fails),
+      cmocka_unit_test(test_threads),        cmocka_unit_test(test_every_item_once),
+      cmocka_unit_test(test_lowest_failure), cmocka_unit_test(test_last_item_fails),
       cmocka_unit_test(test_progress),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

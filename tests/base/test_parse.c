@@ -41,9 +41,27 @@ static void test_integers(void **state) {
 
 static void test_bad_integers(void **state) {
   (void)state;
-  static const char *const bad[] = {"",     " ",    " 1",   "1 ",   "1x",  "x",   "1.0", "1e3", "0x10", "--1",
-                                    "1-",   "1,000", "1_0",  "\t1",  "1\n", "nan", "inf", "-",   "9223372036854775808",
-                                    "-9223372036854775809", "99999999999999999999999999999"};
+  static const char *const bad[] = {"",
+                                    " ",
+                                    " 1",
+                                    "1 ",
+                                    "1x",
+                                    "x",
+                                    "1.0",
+                                    "1e3",
+                                    "0x10",
+                                    "--1",
+                                    "1-",
+                                    "1,000",
+                                    "1_0",
+                                    "\t1",
+                                    "1\n",
+                                    "nan",
+                                    "inf",
+                                    "-",
+                                    "9223372036854775808",
+                                    "-9223372036854775809",
+                                    "99999999999999999999999999999"};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
     long long value = 42;
     StyError error;
@@ -57,7 +75,7 @@ static void test_bad_integers(void **state) {
 static void test_integer_range(void **state) {
   (void)state;
   for (int v = -5; v <= 15; v++) {
-    char text[8];
+    char text[16];
     snprintf(text, sizeof text, "%d", v);
     long long value = 42;
     StyError error;
@@ -79,8 +97,8 @@ static void test_numbers(void **state) {
   static const struct {
     const char *text;
     double value;
-  } good[] = {{"0", 0},    {"1.5", 1.5},   {"-2.25", -2.25}, {"1e3", 1e3},       {"1E-3", 1e-3},
-              {".5", 0.5}, {"100", 100.0}, {"-1e5", -1e5},   {"0.1", 0.1},       {"99999.999", 99999.999}};
+  } good[] = {{"0", 0},    {"1.5", 1.5},   {"-2.25", -2.25}, {"1e3", 1e3}, {"1E-3", 1e-3},
+              {".5", 0.5}, {"100", 100.0}, {"-1e5", -1e5},   {"0.1", 0.1}, {"99999.999", 99999.999}};
   for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
     double value = 42;
     StyError error;
@@ -92,9 +110,9 @@ static void test_numbers(void **state) {
 
 static void test_bad_numbers(void **state) {
   (void)state;
-  static const char *const bad[] = {"",    " ",   " 1",  "1 ",   "1x",    "x",    "1.0.0", "1,5",  "nan",
-                                    "NaN", "-nan", "inf", "-inf", "infinity", "INF", "1e",    "--1",  "1e999",
-                                    "-1e999", "nan(1)", "\n1", "1\t", "e5", ".", "-"};
+  static const char *const bad[] = {"",       " ",      " 1",  "1 ",   "1x",       "x",   "1.0.0", "1,5", "nan",
+                                    "NaN",    "-nan",   "inf", "-inf", "infinity", "INF", "1e",    "--1", "1e999",
+                                    "-1e999", "nan(1)", "\n1", "1\t",  "e5",       ".",   "-"};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
     double value = 42;
     StyError error;
@@ -133,9 +151,30 @@ static void test_sizes(void **state) {
     assert_int_equal(width, good[i].width);
     assert_int_equal(height, good[i].height);
   }
-  static const char *const bad[] = {"",     "0",     "0x5",   "5x0",      "-1",     "-1x5",  "5x-1",  "5x",   "x5",
-                                    "x",    "5x5x5", "5 x 5", " 5x5",     "5x5 ",   "4097",  "4097x1", "1x4097", "5,5",
-                                    "1e2",  "5.0x5", "0x10x5", "99999999999999999999", "1x99999999999999999999", "5*5"};
+  static const char *const bad[] = {"",
+                                    "0",
+                                    "0x5",
+                                    "5x0",
+                                    "-1",
+                                    "-1x5",
+                                    "5x-1",
+                                    "5x",
+                                    "x5",
+                                    "x",
+                                    "5x5x5",
+                                    "5 x 5",
+                                    " 5x5",
+                                    "5x5 ",
+                                    "4097",
+                                    "4097x1",
+                                    "1x4097",
+                                    "5,5",
+                                    "1e2",
+                                    "5.0x5",
+                                    "0x10x5",
+                                    "99999999999999999999",
+                                    "1x99999999999999999999",
+                                    "5*5"};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
     int width = 42, height = 43;
     StyError error;
@@ -165,9 +204,9 @@ static void test_choices(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_integers),    cmocka_unit_test(test_bad_integers), cmocka_unit_test(test_integer_range),
-      cmocka_unit_test(test_numbers),     cmocka_unit_test(test_bad_numbers),  cmocka_unit_test(test_number_range),
-      cmocka_unit_test(test_sizes),       cmocka_unit_test(test_choices),
+      cmocka_unit_test(test_integers), cmocka_unit_test(test_bad_integers), cmocka_unit_test(test_integer_range),
+      cmocka_unit_test(test_numbers),  cmocka_unit_test(test_bad_numbers),  cmocka_unit_test(test_number_range),
+      cmocka_unit_test(test_sizes),    cmocka_unit_test(test_choices),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

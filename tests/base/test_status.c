@@ -93,9 +93,9 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_exit_codes),         cmocka_unit_test(test_message),
-      cmocka_unit_test(test_without_error),      cmocka_unit_test(test_control_characters),
-      cmocka_unit_test(test_long_message),       cmocka_unit_test(test_quoting_itself),
+      cmocka_unit_test(test_exit_codes),    cmocka_unit_test(test_message),
+      cmocka_unit_test(test_without_error), cmocka_unit_test(test_control_characters),
+      cmocka_unit_test(test_long_message),  cmocka_unit_test(test_quoting_itself),
       cmocka_unit_test(test_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -635,14 +635,19 @@ static void bench_stylize(const Paths *paths) {
 /* ---- section: startup ---- */
 
 static void bench_startup(const Paths *paths) {
+  char *picture = join(paths->scratch, "smallest.exr");
   const char *const nothing[] = {"/bin/true", NULL, NULL}, *const version[] = {paths->stylut, "--version", NULL};
-  Series least = {0}, ours = {0};
+  const char *const smallest[] = {paths->stylut, "guide", "sphere", "--size", "8", "-o", picture, "--quiet", NULL};
+  Series least = {0}, ours = {0}, loaded = {0};
   for (int run = 0; run < STARTS; run++) {
     add_value(&least, run_program(nothing, "/dev/null"));
     add_value(&ours, run_program(version, "/dev/null"));
+    add_value(&loaded, run_program(smallest, "/dev/null"));
   }
   print_times("startup", "/bin/true", &least, 1, "starts/s", NULL, NULL);
   print_times("startup", "stylut --version", &ours, 1, "starts/s", &least, "/bin/true");
+  print_times("startup", "8x8 picture: image module", &loaded, 1, "starts/s", &least, "/bin/true");
+  free(picture);
 }
 
 /* ---- section: memory ---- */

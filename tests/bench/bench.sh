@@ -26,17 +26,21 @@ mv "$scratch/bench.csv" "$csv"
 
 sed -n 's/^# //p' "$csv"
 awk -F, '
-  NR == 1 { next }
-  NR == 2 {
-    printf "\n%-23s %-29s %4s %12s %11s %-12s %7s  %s\n", "what", "variant", "runs", "median, ms", "rate", "", "ratio", "to"
-    next
+  NR == 1 { next } # the comment
+  { rows++; for (i = 1; i <= 8; i++) { cell[rows, i] = $i; if (length($i) > width[i]) width[i] = length($i) } }
+  END {
+    split("what variant runs median_ms rate unit ratio reference", title, " ")
+    for (i = 1; i <= 8; i++) cell[1, i] = title[i]
+    for (r = 1; r <= rows; r++) {
+      if (cell[r, 1] != cell[r - 1, 1]) print ""
+      for (i = 1; i <= 8; i++) printf i == 3 || i == 4 || i == 5 || i == 7 ? "%*s  " : "%-*s  ", width[i], cell[r, i]
+      print ""
+    }
   }
-  $1 != row && NR > 3 { print "" }
-  { row = $1; printf "%-23s %-29s %4s %12s %11s %-12s %7s  %s\n", $1, $2, $3, $4, $5, $6, $7, $8 }
-' "$csv"
+' "$csv" | sed 's/ *$//'
 cat <<END
 
-ratio: the reference's time over the row's, above 1 is faster than the reference.
+ratio: the reference's time over the row's; above 1, the row is the faster one.
 memory: peak of the process less that of an idle one; its ratio is to the bytes of data held.
 aims: guide 0.5 or more beside the bare loop, memory below 4. The figures are also in ${csv#"$PWD"/}.
 END

@@ -313,8 +313,9 @@ static uint32_t crc32_of(const unsigned char *bytes, size_t size) {
   return ~crc;
 }
 
-static const uint32_t absurd[][2] = {{60000, 60000}, {16384, 16384}, {65537, 1}, {1, 65537}, {1000000, 1},
-                                     {0x7FFFFFFF, 0x7FFFFFFF}, {0, 5}, {5, 0}, {0x80000000u, 1}};
+static const uint32_t absurd[][2] = {{60000, 60000}, {16384, 16384}, {65537, 1},
+                                     {1, 65537},     {1000000, 1},   {0x7FFFFFFF, 0x7FFFFFFF},
+                                     {0, 5},         {5, 0},         {0x80000000u, 1}};
 
 /* A hundred bytes that claim gigabytes, with a right checksum. */
 static void test_absurd_png(void **state) {
@@ -481,7 +482,8 @@ static void test_other_formats(void **state) {
     sty_destroy_image(&image);
     skip();
   }
-  run_oiiotool(scratch, "a.png -d uint16 -o a.tif a.png -d uint8 -o a.tga a.png -d uint8 -o a.jpg a.png -d float -o a.hdr");
+  run_oiiotool(scratch,
+               "a.png -d uint16 -o a.tif a.png -d uint8 -o a.tga a.png -d uint8 -o a.jpg a.png -d float -o a.hdr");
   unlink(scratch->path);
   StyImage *back = read_back(path_in(scratch, "a.tif"));
   assert_int_equal(back->bits, 16);

@@ -23,6 +23,7 @@ setup() {
 
 teardown() {
   local status=0
+  ! mountpoint -q disk 2>/dev/null || umount disk
   if [ -s "$BATS_TEST_TMPDIR/complaints" ]; then
     cat "$BATS_TEST_TMPDIR/complaints"
     status=1
@@ -32,7 +33,7 @@ teardown() {
 }
 
 # complain TEXT...: notes what is wrong; the test fails in the end.
-complain() { printf '%s\n' "$*" >>"$BATS_TEST_TMPDIR/complaints"; }
+complain() { printf '%.2000s\n' "$*" | tr -c '[:print:]\n' '?' >>"$BATS_TEST_TMPDIR/complaints"; }
 
 # expect WHAT FOUND EXPECTED
 expect() { [ "$2" = "$3" ] || complain "$1: found '$2', expected '$3'"; }
@@ -50,7 +51,14 @@ expect_same() { cmp -s "$1" "$2" || complain "$1 and $2 differ, expected the sam
 expect_other() { ! cmp -s "$1" "$2" || complain "$1 and $2 hold the same bytes, expected a difference"; }
 
 # All that is below the working folder, with times: what a refused command must leave alone.
-list_files() { find . -printf '%P %y %s %T@\n' | sort; }
+list_files() { find . -type d -printf '%P/\n' -o -printf '%P %s %T@\n' | sort; }
+
+# bring PATTERN...: copies of what setup_file made.
+bring() {
+  local pattern
+  # shellcheck disable=SC2086
+  for pattern in "$@"; do cp -r "$BATS_FILE_TMPDIR"/$pattern .; done
+}
 
 # accept COMMAND...: passes and says nothing on stderr. Its stdout becomes $output.
 accept() {
@@ -79,19 +87,34 @@ refuse() {
 $(diff <(printf '%s\n' "$before") <(printf '%s\n' "$after"))"
 }
 
+# prove COMMAND...: passes, writing out.*, which is removed again. Proved once a
+# file of tests: a command reads only what setup_file made.
+prove() {
+  local proofs=$BATS_FILE_TMPDIR/.proofs
+  grep -qsxF -- "$*" "$proofs" && return 0
+  accept "$@" || return 1
+  rm -rf out.*
+  printf '%s\n' "$*" >>"$proofs"
+}
+
 # swap CODE GOOD BAD COMMAND...: passes as it stands (writing out.*), is refused
 # by the name of BAD with BAD in the place of the argument GOOD.
 swap() {
   local code=$1 good=$2 bad=$3 changed=() argument
   shift 3
-  accept "$@" || return 1
-  rm -rf out.*
+  prove "$@" || return 1
   for argument in "$@"; do
     [ "$argument" = "$good" ] && argument=$bad
     changed+=("$argument")
   done
   [ "${changed[*]}" != "$*" ] || complain "'$*' doesn't hold '$good'"
   refuse "$code" "$bad" "${changed[@]}"
+}
+
+# small_disk SIZE: mounts one at ./disk, or skips the test.
+small_disk() {
+  mkdir disk
+  mount -t tmpfs -o "size=$1" tmpfs disk 2>/dev/null || skip "mounting a small tmpfs is not allowed here"
 }
 
 # json FILE EXPRESSION: a value of a JSON file, called r; '-' is stdin.

@@ -21,7 +21,8 @@ static StyLut *make_table(int size, int sampling, int width, int height, uint64_
 static void test_coordinates(void **state) {
   (void)state;
   /* 16 bit is exact for every source side that a bundle may have. */
-  static const uint32_t sides[] = {1, 2, 3, 5, 17, 100, 254, 255, 256, 257, 511, 512, 1000, 1023, 4096, 5000, 16384, 32768};
+  static const uint32_t sides[] = {1,   2,   3,   5,    17,   100,  254,  255,   256,
+                                   257, 511, 512, 1000, 1023, 4096, 5000, 16384, 32768};
   for (size_t s = 0; s < sizeof sides / sizeof *sides; s++) {
     const uint32_t side = sides[s];
     for (uint32_t p = 0; p < side; p++) {
@@ -92,7 +93,8 @@ static void expect_layout(const StyLut *lut, StyEncoding encoding, const StyImag
 
 static void test_round_trips(void **state) {
   (void)state;
-  static const int sources[][2] = {{1, 1}, {2, 3}, {100, 50}, {254, 254}, {255, 255}, {256, 300}, {512, 512}, {1920, 1080}, {16384, 7}};
+  static const int sources[][2] = {{1, 1},     {2, 3},     {100, 50},    {254, 254}, {255, 255},
+                                   {256, 300}, {512, 512}, {1920, 1080}, {16384, 7}};
   static const int sizes[] = {2, 3, 64};
   for (size_t s = 0; s < sizeof sources / sizeof *sources; s++) {
     for (int z = 0; z < 3; z++) {
@@ -268,8 +270,9 @@ static void test_source_sizes(void **state) {
 /* Attributes come from files: whatever they hold, nothing is read past an end. */
 static void test_mangled_attributes(void **state) {
   (void)state;
-  static const char *const values[] = {"", "x", "-1", "0", "99999999999999999999", "nan", "rg8x2", "f32", "unorm8 ",
-                                       "65537", "1e3", "12x34", "0x0", "4294967297", "rg8", "rg16"};
+  static const char *const values[] = {
+      "",      "x",   "-1",    "0",   "99999999999999999999", "nan", "rg8x2", "f32", "unorm8 ",
+      "65537", "1e3", "12x34", "0x0", "4294967297",           "rg8", "rg16"};
   const StyLutHints hints = {123, 77, -1};
   int refused = 0;
   for (int e = 0; e < 4; e++) {
@@ -304,10 +307,14 @@ static void test_mangled_attributes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_coordinates),       cmocka_unit_test(test_names),
-      cmocka_unit_test(test_round_trips),       cmocka_unit_test(test_foreign_words),
-      cmocka_unit_test(test_foreign_floats),    cmocka_unit_test(test_bad_texel_is_named),
-      cmocka_unit_test(test_shapes),            cmocka_unit_test(test_source_sizes),
+      cmocka_unit_test(test_coordinates),
+      cmocka_unit_test(test_names),
+      cmocka_unit_test(test_round_trips),
+      cmocka_unit_test(test_foreign_words),
+      cmocka_unit_test(test_foreign_floats),
+      cmocka_unit_test(test_bad_texel_is_named),
+      cmocka_unit_test(test_shapes),
+      cmocka_unit_test(test_source_sizes),
       cmocka_unit_test(test_mangled_attributes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -94,7 +94,8 @@ static void test_there_and_back(void **state) {
           int t[2] = {-1, -1};
           sty_get_texel_value(&lut, i, j, g);
           sty_find_texel(&lut, g, t);
-          if (t[0] != i || t[1] != j) fail_msg("%d, sampling %d: (%d,%d) gives (%d,%d)", size, sampling, i, j, t[0], t[1]);
+          if (t[0] != i || t[1] != j)
+            fail_msg("%d, sampling %d: (%d,%d) gives (%d,%d)", size, sampling, i, j, t[0], t[1]);
           float turned[2] = {g[1], g[0]};
           sty_find_texel(&lut, turned, t);
           if (t[0] != size - 1 - j || t[1] != size - 1 - i)
@@ -154,9 +155,9 @@ static void test_clamping(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_new_table),      cmocka_unit_test(test_bad_sizes),      cmocka_unit_test(test_names),
-      cmocka_unit_test(test_texel_values),   cmocka_unit_test(test_byte_values),    cmocka_unit_test(test_there_and_back),
-      cmocka_unit_test(test_nearest_texel),  cmocka_unit_test(test_clamping),
+      cmocka_unit_test(test_new_table),     cmocka_unit_test(test_bad_sizes),   cmocka_unit_test(test_names),
+      cmocka_unit_test(test_texel_values),  cmocka_unit_test(test_byte_values), cmocka_unit_test(test_there_and_back),
+      cmocka_unit_test(test_nearest_texel), cmocka_unit_test(test_clamping),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

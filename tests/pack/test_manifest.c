@@ -39,13 +39,14 @@ static void test_every_key(void **state) {
   Scratch *scratch = *state;
   StyManifest manifest = {0};
   open_text(scratch,
-            HEAD "[{\"name\": \"first\", \"exemplar\": \"x/a.png\", \"guide\": \"g.exr\",\n"
-                 "  \"lut\": {\"size\": 64, \"engine\": \"brute\", \"resolve\": \"nearest\", \"sampling\": \"centre\"},\n"
-                 "  \"params\": {\"threshold\": 100, \"top_level\": 5, \"radius\": 3, \"depth_tolerance\": 0.25}},\n"
-                 " {\"name\": \"second\", \"exemplar\": \"b.png\", \"lut\": \"table.png\"},\n"
-                 " {\"name\": \"third\", \"exemplar\": \"c.png\", \"lut\": {\"file\": \"t.exr\", \"sampling\": "
-                 "\"centre\"}}],\n"
-                 " \"jitter\": \"noise.png\"}",
+            HEAD
+            "[{\"name\": \"first\", \"exemplar\": \"x/a.png\", \"guide\": \"g.exr\",\n"
+            "  \"lut\": {\"size\": 64, \"engine\": \"brute\", \"resolve\": \"nearest\", \"sampling\": \"centre\"},\n"
+            "  \"params\": {\"threshold\": 100, \"top_level\": 5, \"radius\": 3, \"depth_tolerance\": 0.25}},\n"
+            " {\"name\": \"second\", \"exemplar\": \"b.png\", \"lut\": \"table.png\"},\n"
+            " {\"name\": \"third\", \"exemplar\": \"c.png\", \"lut\": {\"file\": \"t.exr\", \"sampling\": "
+            "\"centre\"}}],\n"
+            " \"jitter\": \"noise.png\"}",
             &manifest);
   assert_int_equal(manifest.style_count, 3);
   assert_string_equal(manifest.jitter, "noise.png");
@@ -250,15 +251,15 @@ static void test_not_a_manifest(void **state) {
   StyError error = {STY_OK, ""};
   expect_message(sty_read_manifest(path_in(scratch, "missing.json"), &manifest, &error), STY_ERROR_FILE, &error,
                  PARTS("missing.json"));
-  expect_message(sty_read_manifest(scratch->folder, &manifest, &error), STY_ERROR_FILE, &error,
-                 PARTS(scratch->folder));
+  expect_message(sty_read_manifest(scratch->folder, &manifest, &error), STY_ERROR_FILE, &error, PARTS(scratch->folder));
 }
 
 /* Cut anywhere, a manifest is refused, and no byte behind the cut is looked at. */
 static void test_truncated(void **state) {
   Scratch *scratch = *state;
   static const char text[] = HEAD
-      "[{\"name\": \"a\", \"exemplar\": \"a\", \"lut\": {\"size\": 64}, \"params\": {\"radius\": 1}}], \"jitter\": \"j\"}";
+      "[{\"name\": \"a\", \"exemplar\": \"a\", \"lut\": {\"size\": 64}, \"params\": {\"radius\": 1}}], \"jitter\": "
+      "\"j\"}";
   for (size_t length = 0; length < sizeof text - 1; length++) {
     char cut[sizeof text];
     memcpy(cut, text, length);
@@ -272,9 +273,9 @@ static void test_truncated(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      scratch_test(test_defaults),     scratch_test(test_every_key),        scratch_test(test_wrong_types),
-      scratch_test(test_ranges),       scratch_test(test_unknown_keys),     scratch_test(test_missing_keys),
-      scratch_test(test_duplicates),   scratch_test(test_number_of_styles), scratch_test(test_not_a_manifest),
+      scratch_test(test_defaults),   scratch_test(test_every_key),        scratch_test(test_wrong_types),
+      scratch_test(test_ranges),     scratch_test(test_unknown_keys),     scratch_test(test_missing_keys),
+      scratch_test(test_duplicates), scratch_test(test_number_of_styles), scratch_test(test_not_a_manifest),
       scratch_test(test_truncated),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
