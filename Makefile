@@ -20,7 +20,7 @@ endif
 AR ?= ar
 
 # What must be there before anything compiles, as Debian 12 packages.
-BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
+BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
 TEST_PACKAGES = $(DEMO_PACKAGES) clang libomp-dev libcmocka-dev bats
@@ -53,9 +53,8 @@ LINK = $(CC) -fopenmp $(OPTIMIZE_$(config)) $(LDFLAGS)
 
 # ---- what there is ----------------------------------------------------------
 RUNTIME_SOURCES = $(wildcard src/runtime/*.c)
-MODULE_SOURCES = src/bridge/oiio.cpp
-LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES),$(wildcard src/*/*.c)) \
-  $(filter-out $(MODULE_SOURCES),$(wildcard src/bridge/*.cpp))
+MODULE_SOURCES = src/bridge/oiio.cpp src/bridge/quiet_png.c
+LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES) $(MODULE_SOURCES),$(wildcard src/*/*.c src/bridge/*.cpp))
 TOOL_SOURCES = $(wildcard tools/*.c)
 TEST_SOURCES = $(wildcard tests/*/test_*.c)
 BENCH_SOURCES = $(wildcard tests/bench/*.c)
@@ -78,9 +77,10 @@ $(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY)
 
 # Image files: a module of its own, see src/bridge/codec.h.
 $(MODULE): $(call objects,$(MODULE_SOURCES)) $(LIBRARY)
-	$(LINK) -shared -Wl,--exclude-libs,ALL -o $@ $^ -lOpenImageIO -lOpenImageIO_Util -lnettle -lstdc++ -lm
-# $(call look_in,FOLDERS): where a program finds the module, relative to itself.
-look_in = $(patsubst %,-Wl$(comma)-rpath$(comma)'$$ORIGIN/%',$(1))
+	$(LINK) -shared -Wl,--exclude-libs,ALL -o $@ $^ -lOpenImageIO -lOpenImageIO_Util -lpng16 -lnettle -lstdc++ -lm
+# $(call look_in,FOLDERS): where a program finds the module, relative to itself. As
+# RPATH, since sanitizers call dlopen in the program's stead.
+look_in = -Wl,--disable-new-dtags $(patsubst %,-Wl$(comma)-rpath$(comma)'$$ORIGIN/%',$(1))
 comma = ,
 
 $(RUNTIME_LIBRARY): $(call objects,$(RUNTIME_SOURCES))

@@ -27,9 +27,10 @@ static void draw_guide(uint8_t *guide) {
   for (int i = 0; i < SIDE * SIDE; i++) {
     const double x = (i % SIDE + 0.5) / SIDE * 2 - 1, y = 1 - (i / SIDE + 0.5) / SIDE * 2, r = sqrt(x * x + y * y);
     const double across = (r - 0.6) / 0.3; /* -1 at the inner rim, 1 at the outer */
-    const double n[3] = {x / r * across, y / r * across, sqrt(fmax(0, 1 - across * across))};
+    if (fabs(across) >= 1) continue;       /* coverage stays 0 */
+    const double n[3] = {x / r * across, y / r * across, sqrt(1 - across * across)};
     for (int c = 0; c < 3; c++) guide[4 * i + c] = (uint8_t)(n[c] * 127.5 + 128);
-    guide[4 * i + 3] = fabs(across) < 1 ? 255 : 0;
+    guide[4 * i + 3] = 255;
   }
 }
 
@@ -47,6 +48,7 @@ int main(int argc, char **argv) {
   const StyRect all = {0, 0, SIDE, SIDE};
   if (!status) status = sty_transfer_frame(&bundle, &frame, all, matches);
   if (!status) status = sty_blend_frame(&bundle, &frame, all, matches, 8, picture);
+  for (int i = 0; i < STY_BUNDLE_FILES; i++) free((void *)files[i].data); /* not before the last use of `bundle` */
   if (status) return fprintf(stderr, "use_runtime: %s\n", sty_describe_runtime_status(status)), 3;
   printf("P6 %d %d 255\n", SIDE, SIDE);
   for (int i = 0; i < SIDE * SIDE; i++) fwrite(picture + 4 * i, 1, 3, stdout);

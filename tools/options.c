@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -248,10 +247,15 @@ double get_milliseconds(void) {
   return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
+/* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
 double get_peak_bytes(void) {
-  struct rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return (double)usage.ru_maxrss * 1024;
+  FILE *stream = fopen("/proc/self/status", "r");
+  char line[256];
+  double kilobytes = 0;
+  while (stream && fgets(line, sizeof line, stream))
+    if (sscanf(line, "VmHWM: %lf kB", &kilobytes) == 1) break;
+  if (stream) fclose(stream);
+  return kilobytes * 1024;
 }
 
 StyStatus print_json(json_t *report, StyError *error) {

@@ -30,7 +30,8 @@ typedef struct StyAudit {
   size_t background;     /* feasible texels that point at a source pixel that isn't covered (180 degrees each) */
   StyFigures assignment; /* at the values the texels answer for */
   /* For guide values in between: each texel is asked for 4 x 4 values spread
-   * over its square (2 x 2 in tables beyond 1024). A unorm8 table is meant for byte guides, which ask for
+   * over its square (2 x 2 in tables beyond 1024), those inside the
+   * disc. A unorm8 table is meant for byte guides, which ask for
    * nothing in between: its lookup error is its assignment error. */
   StyFigures lookup;
   double tolerance; /* guide units */
@@ -43,6 +44,7 @@ typedef struct StyAudit {
 /* Audits `lut` against the guide it was made for. `exact` is an exact table of
  * the same guide, size and sampling: it says what is covered (a table's own
  * choices may be poor). Errors: STY_ERROR_INPUT when sizes don't fit,
+ * the guide has no normals, or no texel is feasible (unorm8 of size 2);
  * STY_ERROR_LIBRARY (memory). */
 StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, double tolerance, StyAudit *out,
                         StyError *error);

@@ -20,7 +20,8 @@ typedef struct StyOutput {
   char *temporary;
 } StyOutput;
 
-/* Begins `path`. STY_ERROR_FILE when its folder is missing or not writable. */
+/* Begins `path`. STY_ERROR_FILE when its folder is missing or not writable,
+ * STY_ERROR_USAGE for an empty name. */
 StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error);
 
 /* Flushes, checks every earlier write, and renames into place. On failure
@@ -48,6 +49,7 @@ void sty_unmap_file(StyMapping *mapping);
 
 /* SHA-256 in lower-case hexadecimal. */
 #define STY_HASH_SIZE 65
+void sty_hash_bytes(const void *data, size_t size, char out[STY_HASH_SIZE]);
 StyStatus sty_hash_file(const char *path, char out[STY_HASH_SIZE], StyError *error);
 
 /* folder joined with name, unless name is absolute; the folder that holds path

@@ -24,7 +24,8 @@ StyStatus sty_read_image(const char *path, StyImage **out, StyError *error);
  * compression; .png holds 1 (grey), 2 (grey, alpha), 3 or 4 channels in their
  * given order with image->bits of 8 or 16, values clamped to 0..1. The
  * image's attributes are kept as metadata. The file appears whole or not at
- * all, and holds the same bytes whenever it is written. */
+ * all, and holds the same bytes whenever it is written. STY_ERROR_USAGE: another
+ * ending, or what a PNG can't hold. */
 StyStatus sty_write_image(const char *path, const StyImage *image, StyError *error);
 
 #ifdef __cplusplus

@@ -54,6 +54,7 @@ typedef struct StyLut {
   float *errors;                   /* per texel: guide distance to that pixel's value, in units of g */
 } StyLut;
 
+/* Sizes run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others give STY_ERROR_USAGE. */
 StyStatus sty_create_lut(int size, StySampling sampling, int source_width, int source_height, StyLut **out,
                          StyError *error);
 void sty_destroy_lut(StyLut **lut);

@@ -70,7 +70,8 @@ StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *exemplar, cons
 /* Writes parameters, jitter (see sty_make_jitter) and bundle.json, checks
  * everything as a reader would, and puts the bundle in its place. `index`, an
  * object that says what went in, is borrowed and completed with "schema",
- * "version" and "files". *writer is spent. */
+ * "version", "files" and "sha256", the hash of the rest in compact form with
+ * sorted keys. *writer is spent. */
 StyStatus sty_commit_bundle(StyBundleWriter **writer, const uint8_t *jitter, json_t *index, StyError *error);
 void sty_discard_bundle(StyBundleWriter **writer);
 
@@ -83,10 +84,10 @@ extern const char *const sty_bundle_files[STY_BUNDLE_FILES];
 
 /* Findings about a bundle. The numbers are permanent. */
 typedef enum StyFindingNumber {
-  STY_FINDING_INDEX = 1,      /* bundle.json is missing or not what it should be */
-  STY_FINDING_MISSING = 2,    /* a file is missing or unreadable */
+  STY_FINDING_INDEX = 1,      /* bundle.json isn't what it should be */
+  STY_FINDING_MISSING = 2,    /* a file, bundle.json included, is missing or unreadable */
   STY_FINDING_SIZE = 3,       /* a file's length differs from the index */
-  STY_FINDING_HASH = 4,       /* a file's SHA-256 differs from the index */
+  STY_FINDING_HASH = 4,       /* a file's SHA-256 differs from the index, or the index's from its own */
   STY_FINDING_TEXTURE = 5,    /* a file isn't the KTX2 texture it should be */
   STY_FINDING_MISMATCH = 6,   /* the textures don't fit each other */
   STY_FINDING_PARAMETERS = 7, /* a style's parameters are out of range */
@@ -108,9 +109,9 @@ typedef struct StyLoadedBundle {
 } StyLoadedBundle;
 
 /* Maps a bundle and verifies it: lengths and hashes against the index, headers,
- * parameters. Every finding goes to `report` (may be NULL). STY_ERROR_FILE when
- * the folder can't be read, STY_ERROR_INPUT when any finding isn't a warning;
- * the first of them becomes the message. Unmap with sty_unload_bundle. */
+ * parameters. Every finding goes to `report` (may be NULL); the first that isn't
+ * a warning becomes the message. STY_ERROR_FILE when that is a missing file,
+ * else STY_ERROR_INPUT. Unmap with sty_unload_bundle. */
 StyStatus sty_load_bundle(const char *path, void (*report)(void *context, const StyFinding *finding), void *context,
                           StyLoadedBundle *out, StyError *error);
 void sty_unload_bundle(StyLoadedBundle *bundle);

@@ -56,12 +56,12 @@ extern const char *const sty_up_axis_names[]; /* NULL-terminated, in the enum's 
 
 /* Where the eye is, as people say it. */
 typedef struct StyView {
-  StyUpAxis up;
-  double azimuth;   /* degrees about +Y; 0 looks from +Z, 90 from +X */
+  double azimuth;   /* degrees about the up axis; 0 is the front, 90 its right */
   double elevation; /* degrees above the horizon, -90..90 */
   bool perspective; /* else orthographic */
   double fov;       /* vertical opening, degrees, 1..170; perspective only */
   double margin;    /* empty border as a share of the picture's side, 0..0.45 */
+  StyUpAxis up;
 } StyView;
 
 /* "front", "three-quarter" (35 degrees around, 20 up) or "AZ,EL" in degrees.

@@ -123,6 +123,13 @@ StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *
                         StyError *error) {
   const Guide planes = {sty_find_channel(guide, "A"), sty_find_channel(guide, "normal.X"),
                         sty_find_channel(guide, "normal.Y")};
+  if (!planes.covered || !planes.x || !planes.y)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "found a guide without normals, expected channels A, normal.X and normal.Y");
+  if (exact->size != lut->size || exact->sampling != lut->sampling || exact->source_width != lut->source_width ||
+      exact->source_height != lut->source_height)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "found an exact LUT of another size, sampling or source, expected the same as of the one audited");
   if (lut->source_width != guide->width || lut->source_height != guide->height)
     return sty_fail(error, STY_ERROR_INPUT,
                     "found a LUT for a source of %dx%d pixels, expected one for the guide's %dx%d", lut->source_width,

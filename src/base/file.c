@@ -135,6 +135,19 @@ void sty_unmap_file(StyMapping *mapping) {
   *mapping = (StyMapping){NULL, 0};
 }
 
+static void write_digest(struct sha256_ctx *state, char out[STY_HASH_SIZE]) {
+  uint8_t digest[SHA256_DIGEST_SIZE];
+  sha256_digest(state, sizeof digest, digest);
+  for (int i = 0; i < SHA256_DIGEST_SIZE; i++) snprintf(out + 2 * i, 3, "%02x", digest[i]);
+}
+
+void sty_hash_bytes(const void *data, size_t size, char out[STY_HASH_SIZE]) {
+  struct sha256_ctx state;
+  sha256_init(&state);
+  sha256_update(&state, size, data);
+  write_digest(&state, out);
+}
+
 StyStatus sty_hash_file(const char *path, char out[STY_HASH_SIZE], StyError *error) {
   const StyStatus status = sty_check_file(path, NULL, error);
   if (status) return status;
@@ -148,9 +161,7 @@ StyStatus sty_hash_file(const char *path, char out[STY_HASH_SIZE], StyError *err
   const int failed = ferror(stream);
   fclose(stream);
   if (failed) return sty_fail(error, STY_ERROR_FILE, "%s: reading failed midway; expected a file to read", path);
-  uint8_t digest[SHA256_DIGEST_SIZE];
-  sha256_digest(&state, sizeof digest, digest);
-  for (int i = 0; i < SHA256_DIGEST_SIZE; i++) snprintf(out + 2 * i, 3, "%02x", digest[i]);
+  write_digest(&state, out);
   return STY_OK;
 }
 

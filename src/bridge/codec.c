@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <pthread.h>
 
+#include "bridge/jpeg.h"
 #include "stylut/image_io.h"
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -27,7 +28,8 @@ static StyStatus get_codec(const StyImageCodec **out, StyError *error) {
 
 StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   const StyImageCodec *c;
-  const StyStatus status = get_codec(&c, error);
+  StyStatus status = get_codec(&c, error);
+  if (!status) status = sty_check_jpeg(path, error);
   return status ? status : c->read(path, out, error);
 }
 

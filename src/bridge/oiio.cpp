@@ -60,10 +60,19 @@ int bits_of(TypeDesc format) {
   }
 }
 
+// What to divide a channel's values by, as read_image asks for them.
+// OpenImageIO scales 32-bit integers to 0..1; ids must stay what they are.
+float get_divisor(const ImageSpec &spec, int channel) {
+  if (bits_of(spec.format) == 8) return 255.0f;
+  if (bits_of(spec.format) == 16) return 65535.0f;
+  return spec.channelformat(channel).basetype == TypeDesc::UINT32 ? 1.0f / 4294967296.0f : 1.0f;
+}
+
 // One part of a file: its header and the channel names it gives to our image.
 struct Part {
   ImageSpec spec;
   std::vector<std::string> names;
+  std::vector<float> divisors;  // of each channel's values
 };
 
 std::vector<Part> read_headers(const char *path, ImageInput &input, double file_bytes, StyError *error) {
@@ -92,7 +101,8 @@ std::vector<Part> read_headers(const char *path, ImageInput &input, double file_
                      "and %d channels",
                      path, spec.full_width, spec.full_height, spec.nchannels, STY_MAX_SIDE, STY_MAX_PIXELS,
                      STY_MAX_CHANNELS));
-    claimed += double(spec.image_bytes());
+    const double pixels = std::fmax(double(spec.width) * spec.height, double(spec.full_width) * spec.full_height);
+    claimed += pixels * spec.nchannels * sizeof(float);
     parts.push_back(part);
     if (std::strcmp(input.format_name(), "openexr") != 0) break;
   }
@@ -106,45 +116,58 @@ std::vector<Part> read_headers(const char *path, ImageInput &input, double file_
       const std::string name = part.spec.channel_name(c);
       const bool plain = parts.size() == 1 || layer.empty() || name.find('.') != std::string::npos;
       part.names.push_back(plain ? name : layer + "." + name);
+      part.divisors.push_back(get_divisor(part.spec, c));
     }
   }
   return parts;
 }
 
-// Reads a part's rows into the planes first_channel... of `image`.
-void read_part(const char *path, ImageInput &input, int index, const Part &part, int first_channel, StyImage *image,
-               StyError *error) {
+// Rows begin..end of a part, interleaved, in `type`.
+template <typename Value>
+void read_rows(const char *path, ImageInput &input, int index, const ImageSpec &spec, int begin, int end, TypeDesc type,
+               std::vector<Value> &rows, StyError *error) {
+  const bool read = spec.tile_width > 0 ? input.read_tiles(index, 0, spec.x, spec.x + spec.width, spec.y + begin,
+                                                           spec.y + end, 0, 1, 0, spec.nchannels, type, rows.data())
+                                        : input.read_scanlines(index, 0, spec.y + begin, spec.y + end, 0, 0,
+                                                               spec.nchannels, type, rows.data());
+  if (!read)
+    check(sty_fail(error, STY_ERROR_INPUT, "%s: found damaged or missing pixel data near row %d, expected %dx%d pixels",
+                   path, begin, spec.full_width, spec.full_height));
+}
+
+// Spreads interleaved rows over the planes; every value is divided by its channel's divisor.
+template <typename Value>
+void spread_rows(const Part &part, int begin, int end, const std::vector<Value> &rows, int first_channel,
+                 StyImage *image) {
   const ImageSpec &spec = part.spec;
   const int offset_x = spec.x - spec.full_x, offset_y = spec.y - spec.full_y;
-  const int channels = spec.nchannels;
+  const int from = std::max(0, -offset_x), to = std::min(spec.width, image->width - offset_x);
+  const size_t channels = size_t(spec.nchannels);
+  for (size_t c = 0; c < channels; c++) {
+    float *plane = image->data + (size_t(first_channel) + c) * sty_count_pixels(image);
+    for (int y = begin; y < end; y++) {
+      const int target_y = y + offset_y;
+      if (target_y < 0 || target_y >= image->height) continue;
+      const Value *source = rows.data() + size_t(y - begin) * size_t(spec.width) * channels + c;
+      float *target = plane + long(target_y) * image->width + offset_x;
+      for (int x = from; x < to; x++) target[x] = float(source[size_t(x) * channels]) / part.divisors[c];
+    }
+  }
+}
+
+// Reads a part's rows into the planes first_channel... of `image`, in its own
+// integers where it has them: OpenImageIO's scaling isn't v/255 to the last bit.
+template <typename Value>
+void read_part(const char *path, ImageInput &input, int index, const Part &part, TypeDesc type, int first_channel,
+               StyImage *image, StyError *error) {
+  const ImageSpec &spec = part.spec;
   // Tiled files are read by rows of tiles, others by rows.
   const int step = spec.tile_height > 0 ? spec.tile_height : kRowsAtOnce;
-  std::vector<float> rows(size_t(step) * size_t(spec.width) * size_t(channels));
+  std::vector<Value> rows(size_t(step) * size_t(spec.width) * size_t(spec.nchannels));
   for (int begin = 0; begin < spec.height; begin += step) {
     const int end = std::min(begin + step, spec.height);
-    const bool read = spec.tile_width > 0
-                          ? input.read_tiles(index, 0, spec.x, spec.x + spec.width, spec.y + begin, spec.y + end, 0, 1,
-                                             0, channels, TypeDesc::FLOAT, rows.data())
-                          : input.read_scanlines(index, 0, spec.y + begin, spec.y + end, 0, 0, channels,
-                                                 TypeDesc::FLOAT, rows.data());
-    if (!read)
-      check(sty_fail(error, STY_ERROR_INPUT,
-                     "%s: found damaged or missing pixel data near row %d, expected %dx%d pixels: %s", path, begin,
-                     spec.full_width, spec.full_height, input.geterror().c_str()));
-    for (int c = 0; c < channels; c++) {
-      // OpenImageIO scales integers to 0..1; ids in 32-bit channels must stay what they are.
-      const float scale = spec.channelformat(c).basetype == TypeDesc::UINT32 ? 4294967295.0f : 1.0f;
-      float *plane = image->data + size_t(first_channel + c) * sty_count_pixels(image);
-      for (int y = begin; y < end; y++) {
-        const int target_y = y + offset_y;
-        if (target_y < 0 || target_y >= image->height) continue;
-        const int from = std::max(0, -offset_x), to = std::min(spec.width, image->width - offset_x);
-        const float *source = rows.data() + (size_t(y - begin) * size_t(spec.width)) * size_t(channels) + c;
-        for (int x = from; x < to; x++)
-          plane[size_t(target_y) * size_t(image->width) + size_t(x + offset_x)] =
-              source[size_t(x) * size_t(channels)] * scale;
-      }
-    }
+    read_rows(path, input, index, spec, begin, end, type, rows, error);
+    spread_rows(part, begin, end, rows, first_channel, image);
   }
 }
 
@@ -240,7 +263,13 @@ static StyStatus read_image(const char *path, StyImage **out, StyError *error) {
     ImageHolder image(created);
     int channel = 0;
     for (size_t i = 0; i < parts.size(); i++) {
-      read_part(path, *input, int(i), parts[i], channel, image.get(), error);
+      const int bits = bits_of(parts[i].spec.format);
+      if (bits == 8)
+        read_part<uint8_t>(path, *input, int(i), parts[i], TypeDesc::UINT8, channel, image.get(), error);
+      else if (bits == 16)
+        read_part<uint16_t>(path, *input, int(i), parts[i], TypeDesc::UINT16, channel, image.get(), error);
+      else
+        read_part<float>(path, *input, int(i), parts[i], TypeDesc::FLOAT, channel, image.get(), error);
       channel += parts[i].spec.nchannels;
     }
     read_attributes(first, image.get(), error);

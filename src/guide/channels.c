@@ -50,10 +50,11 @@ StyStatus sty_parse_channels(const char *what, const char *text, unsigned *group
   return STY_OK;
 }
 
+/* A new image is all zero, which is what most channels say of a miss. */
 static void set_misses(const StyGuide *guide) {
   const size_t count = sty_count_pixels(guide->image);
   for (int g = 0; g < guide->group_count; g++)
-    for (int c = 0; c < guide->groups[g].info->count; c++)
+    for (int c = 0; guide->groups[g].info->miss != 0 && c < guide->groups[g].info->count; c++)
       for (size_t i = 0; i < count; i++) guide->groups[g].planes[c][i] = guide->groups[g].info->miss;
 }
 

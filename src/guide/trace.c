@@ -281,14 +281,14 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
   Tracer tracer = {0};
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyStatus status = check_camera(camera, error);
-  if (status == STY_OK)
-    status = sty_create_guide(options->width, options->height, options->groups, &render.guide, error);
   if (status != STY_OK) return status;
 
   const double begin = get_milliseconds();
   status = build_tracer(&tracer, scene, error);
   const double built = get_milliseconds();
   render.tree = tracer.scene;
+  if (status == STY_OK)
+    status = sty_create_guide(options->width, options->height, options->groups, &render.guide, error);
   const long tiles = (long)count_tiles(options->width) * count_tiles(options->height);
   if (status == STY_OK) status = sty_parallel_for(run, tiles, trace_tile, &render, error);
   release_tracer(&tracer);

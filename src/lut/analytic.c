@@ -15,6 +15,7 @@ typedef struct Job {
   const StySites *sites;
   StyLut *lut;
   const uint32_t *site_of_pixel; /* not_covered where the pixel shows nothing */
+  float deviation;               /* of the guide's values from a perfect sphere's, at most */
 } Job;
 
 static void get_sphere_value(const StySites *sites, uint32_t pixel, float g[2]) {
@@ -23,12 +24,15 @@ static void get_sphere_value(const StySites *sites, uint32_t pixel, float g[2]) 
   g[1] = (float)(sites->height - 2 * (int)y - 1) / (float)sites->height;
 }
 
-static StyStatus check_sphere(const StySites *sites, StyError *error) {
+/* The guide must be a sphere; how far it is from a perfect one is kept. */
+static StyStatus check_sphere(const StySites *sites, float *deviation, StyError *error) {
+  *deviation = 0;
   for (size_t s = 0; s < sites->count; s++) {
     float g[2];
     get_sphere_value(sites, sites->pixels[s], g);
     const float *found = sites->values + 2 * s;
-    if (fabsf(found[0] - g[0]) > tolerance || fabsf(found[1] - g[1]) > tolerance)
+    *deviation = fmaxf(*deviation, fmaxf(fabsf(found[0] - g[0]), fabsf(found[1] - g[1])));
+    if (*deviation > tolerance)
       return sty_fail(error, STY_ERROR_INPUT,
                       "engine analytic: found guide value (%.4f, %.4f) at pixel (%u, %u), expected (%.4f, %.4f) of a "
                       "sphere that fills the picture",
@@ -38,18 +42,19 @@ static StyStatus check_sphere(const StySites *sites, StyError *error) {
   return STY_OK;
 }
 
-/* Pixels whose value was collapsed into a lower pixel's are absent from the
- * sites, and those outside the disc show nothing; a ring or two around the
- * place holds the answer, more only near the corners of the domain. */
+/* Rings of pixels around the place (x, y) of a value, until none farther out
+ * can be nearer. Mostly the first ring or two do; pixels may be missing at the
+ * rim, in holes, or because a lower pixel has the same value. */
 static size_t find_site_near(const Job *job, int x, int y, const float g[2]) {
   const int width = job->sites->width, height = job->sites->height;
   const int largest = width > height ? width : height;
   size_t nearest = job->sites->count;
   float best = INFINITY;
-  int last = largest;
-  for (int ring = 0; ring <= last; ring++) {
+  for (int ring = 0; ring <= largest; ring++) {
+    const float least = ((float)ring - 0.5f) * 2 / (float)largest - 2 * job->deviation;
+    if (least > 0 && least * least > best) break;
     for (int dy = -ring; dy <= ring; dy++) {
-      const int step = abs(dy) == ring ? 1 : 2 * ring;
+      const int step = abs(dy) == ring || ring == 0 ? 1 : 2 * ring;
       for (int dx = -ring; dx <= ring; dx += step) {
         const int px = x + dx, py = y + dy;
         if (px < 0 || py < 0 || px >= width || py >= height) continue;
@@ -62,8 +67,6 @@ static size_t find_site_near(const Job *job, int x, int y, const float g[2]) {
         }
       }
     }
-    /* The grid is regular: one more ring than the first that holds anything. */
-    if (nearest != job->sites->count && last == largest) last = ring + 1;
   }
   return nearest;
 }
@@ -86,14 +89,15 @@ static StyStatus build_row(void *context, long j, StyError *error) {
 }
 
 StyStatus sty_build_analytic(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error) {
-  const StyStatus sphere = check_sphere(sites, error);
+  float deviation;
+  const StyStatus sphere = check_sphere(sites, &deviation, error);
   if (sphere) return sphere;
   const size_t pixels = (size_t)sites->width * (size_t)sites->height;
   uint32_t *site_of_pixel = malloc(pixels * sizeof *site_of_pixel);
   if (!site_of_pixel) return sty_fail_memory(error, "engine analytic", (double)pixels * 4);
   memset(site_of_pixel, 0xff, pixels * sizeof *site_of_pixel);
   for (size_t s = 0; s < sites->count; s++) site_of_pixel[sites->pixels[s]] = (uint32_t)s;
-  Job job = {sites, lut, site_of_pixel};
+  Job job = {sites, lut, site_of_pixel, deviation};
   const StyStatus status = sty_parallel_for(run, lut->size, build_row, &job, error);
   free(site_of_pixel);
   return status;

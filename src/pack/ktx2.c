@@ -117,8 +117,11 @@ StyStatus sty_open_ktx2(const char *path, uint32_t format_number, int width, int
     return sty_fail(error, STY_ERROR_USAGE,
                     "%s: found format %u, %dx%d texels and %d layers, expected a known format and at least one of each",
                     path, format_number, width, height, layers);
-  StyKtx2 texture = {.layers = layers};
-  texture.layer_size = (uint64_t)width * (uint64_t)height * format->channels * format->channel_bytes;
+  const uint64_t texels = (uint64_t)width * (uint64_t)height, texel = format->channels * format->channel_bytes;
+  if (texels > (uint64_t)INT64_MAX / texel / (uint64_t)layers)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found %dx%d texels and %d layers, expected fewer than 2^63 bytes",
+                    path, width, height, layers);
+  StyKtx2 texture = {.layers = layers, .layer_size = texels * texel};
   const StyStatus status = sty_open_output(path, &texture.output, error);
   if (status) return status;
   Head head = {{0}, 0};

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pack/seal.h"
 #include "stylut/pack.h"
 #include "stylut/parse.h"
 
@@ -63,47 +64,56 @@ static bool read_index(Report *report, StyDocument *index) {
   return !status;
 }
 
-static void compare_with_index(Report *report, const StyDocument *index, int which, const char *path, size_t size) {
-  const char *name = sty_bundle_files[which], *wanted_hash = NULL;
+static void check_seal(Report *report, const StyDocument *index) {
+  const char *seal = json_string_value(json_object_get(index->root, STY_SEAL_KEY));
+  char found[STY_HASH_SIZE];
+  if (sty_seal_index(index->root, found, report->error)) return;
+  if (!seal || strcmp(seal, found) != 0)
+    add_finding(report, STY_FINDING_HASH, STY_BUNDLE_INDEX,
+                "found contents whose SHA-256 isn't the one they give: the index was changed");
+}
+
+/* Length and hash of a texture, as the index has them. */
+static void compare_with_index(Report *report, const StyDocument *index, int which, const char *path, uint64_t size) {
+  const char *name = sty_bundle_files[which];
   const json_t *entry = json_array_get(json_object_get(index->root, "files"), (size_t)which);
   const char *listed = json_string_value(json_object_get(entry, "name"));
-  wanted_hash = json_string_value(json_object_get(entry, "sha256"));
+  const char *wanted_hash = json_string_value(json_object_get(entry, "sha256"));
   const json_int_t wanted_size = json_integer_value(json_object_get(entry, "bytes"));
-  if (!listed || strcmp(listed, name) != 0 || !wanted_hash) {
-    add_finding(report, STY_FINDING_INDEX, STY_BUNDLE_INDEX,
-                "found no entry with name and sha256 for %s at files[%d], expected one", name, which);
-    return;
-  }
-  if ((json_int_t)size != wanted_size) {
-    add_finding(report, STY_FINDING_SIZE, name, "found %zu bytes, expected %lld by the index", size,
-                (long long)wanted_size);
-    return;
-  }
   char hash[STY_HASH_SIZE];
   StyError cause;
-  if (sty_hash_file(path, hash, &cause))
+  if (!listed || strcmp(listed, name) != 0 || !wanted_hash)
+    add_finding(report, STY_FINDING_INDEX, STY_BUNDLE_INDEX,
+                "found no entry with name and sha256 for %s at files[%d], expected one", name, which);
+  else if ((json_int_t)size != wanted_size)
+    add_finding(report, STY_FINDING_SIZE, name, "found %llu bytes, expected %lld by the index",
+                (unsigned long long)size, (long long)wanted_size);
+  else if (sty_hash_file(path, hash, &cause))
     add_finding(report, STY_FINDING_MISSING, name, "%s", without_path(cause.text, path));
   else if (strcmp(hash, wanted_hash) != 0)
     add_finding(report, STY_FINDING_HASH, name,
                 "found SHA-256 %.16s..., expected %.16s... by the index: the file was changed", hash, wanted_hash);
 }
 
+static bool map_file(Report *report, StyLoadedBundle *bundle, int which) {
+  char *path = sty_join_path(report->path, sty_bundle_files[which]);
+  uint64_t size = 0;
+  StyError cause;
+  StyStatus status = path ? sty_check_file(path, &size, &cause) : sty_fail_memory(&cause, report->path, 0);
+  if (!status) {
+    compare_with_index(report, &bundle->index, which, path, size);
+    status = sty_map_file(path, &bundle->files[which], &cause);
+  }
+  if (status)
+    add_finding(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_TEXTURE, sty_bundle_files[which],
+                "%s", without_path(cause.text, path ? path : ""));
+  free(path);
+  return !status;
+}
+
 static bool map_files(Report *report, StyLoadedBundle *bundle) {
   bool complete = true;
-  for (int i = 0; i < STY_BUNDLE_FILES; i++) {
-    char *path = sty_join_path(report->path, sty_bundle_files[i]);
-    StyError cause;
-    const StyStatus status =
-        path ? sty_map_file(path, &bundle->files[i], &cause) : sty_fail_memory(&cause, report->path, 0);
-    if (status) {
-      add_finding(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_TEXTURE, sty_bundle_files[i],
-                  "%s", without_path(cause.text, path ? path : ""));
-      complete = false;
-    } else {
-      compare_with_index(report, &bundle->index, i, path, bundle->files[i].size);
-    }
-    free(path);
-  }
+  for (int i = 0; i < STY_BUNDLE_FILES; i++) complete = map_file(report, bundle, i) && complete;
   return complete;
 }
 
@@ -147,7 +157,9 @@ StyStatus sty_load_bundle(const char *path, void (*send)(void *context, const St
   Report report = {path, send, context, STY_OK, error};
   StyLoadedBundle bundle;
   memset(&bundle, 0, sizeof bundle);
-  if (read_index(&report, &bundle.index) && map_files(&report, &bundle) && open_view(&report, &bundle)) {
+  const bool has_index = read_index(&report, &bundle.index);
+  if (has_index) check_seal(&report, &bundle.index);
+  if (has_index && map_files(&report, &bundle) && open_view(&report, &bundle)) {
     const size_t listed = json_array_size(json_object_get(bundle.index.root, "styles"));
     const uint32_t styles = bundle.bundle.textures[STY_BUNDLE_PARAMS].width;
     if (listed != styles)

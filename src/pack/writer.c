@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "pack/seal.h"
 #include "stylut/pack.h"
 
 const char *const sty_bundle_files[STY_BUNDLE_FILES] = {"exemplars.ktx2", "guides.ktx2", "luts.ktx2", "params.ktx2",
@@ -170,11 +171,14 @@ static StyStatus write_index(const StyBundleWriter *writer, json_t *index, StyEr
   json_object_set_new(index, "schema", json_string(STY_BUNDLE_SCHEMA));
   json_object_set_new(index, "version", json_string(STY_VERSION));
   json_object_set_new(index, "files", files);
+  char seal[STY_HASH_SIZE];
+  if (!status) status = sty_seal_index(index, seal, error);
+  if (!status) json_object_set_new(index, STY_SEAL_KEY, json_string(seal));
   char *file = sty_join_path(writer->temporary, STY_BUNDLE_INDEX);
   StyOutput output;
   if (!status) status = file ? sty_open_output(file, &output, error) : sty_fail_memory(error, writer->path, 0);
   if (!status) {
-    json_dumpf(index, output.stream, JSON_INDENT(2) | JSON_SORT_KEYS | JSON_REAL_PRECISION(9));
+    json_dumpf(index, output.stream, JSON_INDENT(2) | JSON_SORT_KEYS | JSON_REAL_PRECISION(STY_INDEX_PRECISION));
     fputc('\n', output.stream);
     status = sty_commit_output(&output, error);
   }

@@ -53,7 +53,7 @@ swap_every_input() { # CODE BAD-NAME-WITHOUT-ENDING
     swap_named "$code" "$bad.$ending" swapped.json
   done
 }
-swap_named() { refuse "$1" "$2" pack "$3" -o out.bundle; }
+swap_named() { beside refuse "$1" "$2" pack "$3" -o out.bundle; }
 
 @test "a missing file" {
   bring_all
@@ -132,8 +132,9 @@ cut_everywhere() {
   prove "$@" || return 1
   for length in $(seq 0 64 $((size - end - 1))) 1 8 33 $((size - end - 5)) $((size - end - 1)); do
     head -c "$length" "$file" >"$cut"
-    refuse 3 "$cut" "$@"
+    beside refuse 3 "$cut" "$@"
   done
+  wait
 }
 
 @test "a truncated EXR guide" {
@@ -365,7 +366,7 @@ put_output() { # FOLDER COMMAND...
   for argument in "$@"; do
     if [ "$argument" = "$last" ]; then arguments+=("$folder/$argument"); else arguments+=("$argument"); fi
   done
-  refuse 2 "$folder/$last" "${arguments[@]}"
+  beside refuse 2 "$folder/$last" "${arguments[@]}"
 }
 
 @test "an output in a folder that isn't there" {
@@ -374,6 +375,7 @@ put_output() { # FOLDER COMMAND...
   rm -f second.png
   each_output put_output nowhere
   each_output put_output guide.exr
+  wait
 }
 
 @test "an output in a folder that can't be written to" {
@@ -383,12 +385,13 @@ put_output() { # FOLDER COMMAND...
   local folder=/proc
   mkdir frozen
   if chattr +i frozen 2>/dev/null; then
-    folder=frozen
+    folder=$PWD/frozen
   elif [ "$(id -u)" != 0 ]; then
-    folder=frozen
+    folder=$PWD/frozen
     chmod a-w frozen
   fi
-  each_output put_output $folder
+  each_output put_output "$folder"
+  wait
   chattr -i frozen 2>/dev/null || chmod u+w frozen
 }
 
@@ -462,9 +465,9 @@ fill_disk() {
   small_disk 64k
   fill_disk guide.exr guide sphere -s 256 -o guide.exr
   fill_disk guide.png guide sphere -s 512 --bits 16 -o guide.png
-  accept guide sphere -s 64 -o small.exr
-  fill_disk lut.exr lut small.exr -s 512 -o lut.exr
-  fill_disk lut.png lut small.exr -s 512 --encoding rg8x2 -o lut.png
+  oiiotool --create 128x128 3 --noise:type=uniform:min=0:max=1:seed=1 -d uint8 -o noise.png
+  fill_disk lut.exr lut noise.png -s 256 -o lut.exr
+  fill_disk lut.png lut noise.png -s 256 -o lut.png
 }
 
 @test "a full disk: bundles and pictures" {
@@ -511,7 +514,7 @@ full_stdout() {
 
 @test "no command and unknown commands" {
   refuse 1 command
-  refuse 1 "''" '' || true
+  refuse 1 command ''
   refuse 1 paint paint
   refuse 1 "--guide" --guide
   refuse 1 "guidee" guidee sphere
@@ -529,15 +532,20 @@ bad_values() {
 }
 
 # refuse_values OPTION KIND MORE-VALUES COMMAND...: each bad value is refused by
-# the option's name, both as --option=value and apart.
+# the option's name.
 refuse_values() {
   local option=$1 kind=$2 more=$3 value
   shift 3
+  local before after
+  before=$(list_files)
   while IFS= read -r value; do
-    refuse 1 "$option" "$@" "$option=$value"
-    refuse 1 "$option" "$@" "$option" "$value"
+    complain_unless_refused 1 "$option" "$@" "$option=$value"
   done < <(bad_values "$kind" && if [ -n "$more" ]; then printf '%s\n' $more; fi)
-  refuse 1 "$option" "$@" "$option"
+  complain_unless_refused 1 "$option" "$@" "$option" ''
+  complain_unless_refused 1 "$option" "$@" "$option" junk
+  complain_unless_refused 1 "$option" "$@" "$option"
+  after=$(list_files)
+  expect "files after wrong values of $option" "$after" "$before"
 }
 
 refuse_common_values() {
@@ -590,7 +598,9 @@ refuse_common_values() {
   refuse_common_values pack manifest.json -o out.bundle
   prove stylize bundle --guide guide.exr --style 1 --bits 16 -o out.png
   refuse_values --bits choice '32 08' stylize bundle --guide guide.exr -o out.png
-  refuse_values --style choice '2 0 -1 First 1.0 01x 257 99999999999999999999' stylize bundle --guide guide.exr -o out.png
+  local value
+  for value in 0 2 -1 First '' nan 1x; do beside refuse 1 --style stylize bundle --guide guide.exr -o out.png --style "$value"; done
+  wait
   refuse_common_values stylize bundle --guide guide.exr -o out.png
   refuse_common_values info guide.exr
   refuse_common_values validate bundle
@@ -632,7 +642,7 @@ info guide.exr
 validate bundle
 EOF
   for command in guide lut check pack stylize info validate; do refuse 1 $command $command; done
-  refuse 1 guide guide sphere
+  refuse 1 --output guide sphere
   refuse 1 mesh guide scene -o out.exr
   refuse 1 --output lut guide.exr
   refuse 1 --output pack manifest.json
@@ -684,17 +694,23 @@ EOF
 # ---- manifests ----
 
 # refuse_manifest KEY OLD NEW: the manifest with OLD replaced by NEW is refused
-# with the line and column of the new value.
+# with the line and column of the new value, and the way to it.
 refuse_manifest() {
-  local key=$1 old=$2 new=$3 text line column
+  local key=$1 old=$2 new=$3 text line column path
   cp manifest.json bad.json
   edit bad.json "\"$key\": $old" "\"$key\": $new"
   line=$(grep -nF "\"$key\": $new" bad.json | head -n 1 | cut -d: -f1)
   text=$(sed -n "${line}p" bad.json)
-  text=${text%%"$key\": $new"*}
-  column=$((${#text} + ${#key} + 4))
-  refuse 3 "bad.json:$line:$column: " pack bad.json -o out.bundle
-  refuse 3 "$key" pack bad.json -o out.bundle
+  text=${text%%"\"$key\": $new"*}
+  column=$((${#text} + ${#key} + 5))
+  case $key in
+    schema | jitter) path=$key ;;
+    size | engine | sampling | resolve) path=styles[0].lut.$key ;;
+    name | exemplar | guide) path=styles[0].$key ;;
+    *) path=styles[0].params.$key ;;
+  esac
+  complain_unless_refused 3 "bad.json:$line:$column: $path: " pack bad.json -o out.bundle
+  [ ! -e out.bundle ] || complain "'$key': $new: wrote a bundle"
 }
 
 @test "manifests: values of the wrong type, each with its place" {
@@ -747,7 +763,7 @@ refuse_text() {
   done
   refuse_text '"styles": \[.*\]' '"styles": [1]' 'styles[0]'
   refuse_text '\A.*\Z' '[]' object
-  refuse_text '\A.*\Z' '1' object
+  refuse_text '\A.*\Z' '1' 1:1:
 }
 
 @test "manifests: unknown, missing and double keys" {
@@ -835,20 +851,20 @@ list_styles() { # COUNT
 
 # ---- damaged bundles ----
 
-# refuse_bundle NUMBERS NAMED: ./bad is refused by validate, with a finding of one
-# of the numbers, and by stylize and info.
+# refuse_bundle CODE NUMBERS NAMED: ./bad is refused by stylize, info and validate,
+# the latter with a finding of one of the numbers that holds NAMED.
 refuse_bundle() {
   local code=$1 numbers=$2 named=$3 findings
-  refuse "$code" "bad" validate bad
+  refuse "$code" bad stylize bad --guide guide.exr -o out.png
+  refuse "$code" bad info bad
+  refuse "$code" bad validate bad
   findings=$("$STYLUT" validate bad 2>/dev/null || true)
   expect_match "findings on $named" "$findings" "(^|
 )B[$numbers] error: "
   expect_holds findings "$findings" "$named"
   findings=$("$STYLUT" validate bad --format json 2>/dev/null || true)
-  expect 'valid by JSON' "$(json - 'r.valid' <<<"$findings")" false
-  expect_match 'numbers by JSON' "$(json - 'r.findings.filter(f => !f.warning).map(f => f.number).join("")' <<<"$findings")" "[$numbers]"
-  refuse "$code" bad stylize bad --guide guide.exr -o out.png
-  refuse "$code" bad info bad
+  expect_match 'findings as JSON' "$findings" '"valid": false'
+  expect_match 'findings as JSON' "$findings" "\"number\": [$numbers],"
 }
 
 # flip FILE OFFSET
@@ -866,9 +882,10 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
       rm -rf bad
       cp -r bundle bad
       flip bad/$file.ktx2 "$offset"
-      refuse_bundle 3 4 $file.ktx2
+      beside refuse_bundle 3 4 $file.ktx2
     done
   done
+  wait
 }
 
 @test "bundles: a texture too short or too long" {
@@ -878,13 +895,14 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
     rm -rf bad
     cp -r bundle bad
     truncate -s -1 bad/$file.ktx2
-    refuse_bundle 3 3 $file.ktx2
+    beside refuse_bundle 3 3 $file.ktx2
     cp bundle/$file.ktx2 bad
     printf 'x' >>bad/$file.ktx2
-    refuse_bundle 3 3 $file.ktx2
+    beside refuse_bundle 3 3 $file.ktx2
     : >bad/$file.ktx2
-    refuse_bundle 3 35 $file.ktx2
+    beside refuse_bundle 3 35 $file.ktx2
   done
+  wait
 }
 
 @test "bundles: one byte changed in the index" {
@@ -896,8 +914,9 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
     rm -rf bad
     cp -r bundle bad
     flip bad/bundle.json "$offset"
-    refuse_bundle 3 134 bundle.json || true
+    beside refuse_bundle 3 134 ''
   done
+  wait
 }
 
 @test "bundles: an index of the wrong shape" {
@@ -910,8 +929,9 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
     cp -r bundle bad
     perl -0pi -e "$change" bad/bundle.json
     ! cmp -s bundle/bundle.json bad/bundle.json || complain "'$change' changes nothing"
-    refuse_bundle 3 1348 json
+    beside refuse_bundle 3 1348 ''
   done
+  wait
 }
 
 @test "bundles: a file missing" {
@@ -921,10 +941,11 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
     rm -rf bad
     cp -r bundle bad
     rm bad/$file
-    refuse_bundle 2 2 $file
+    beside refuse_bundle 2 2 $file
     mkdir bad/$file
-    refuse_bundle 2 2 $file
+    beside refuse_bundle 2 2 $file
   done
+  wait
 }
 
 @test "bundles: files of another bundle" {

@@ -23,6 +23,7 @@ setup() {
 
 teardown() {
   local status=0
+  wait
   ! mountpoint -q disk 2>/dev/null || umount disk
   if [ -s "$BATS_TEST_TMPDIR/complaints" ]; then
     cat "$BATS_TEST_TMPDIR/complaints"
@@ -70,21 +71,40 @@ accept() {
   return 1
 }
 
-# refuse CODE NAMED COMMAND...: ends with CODE, says why in one line that begins
-# with 'stylut: error:' and holds NAMED, and writes nothing.
-refuse() {
-  local code=$1 named=$2 status=0 said before after
+# complain_unless_refused CODE NAMED COMMAND...: ends with CODE and says why in
+# one line that begins with 'stylut: error:' and holds NAMED.
+complain_unless_refused() {
+  local code=$1 named=$2 status=0 said
   shift 2
-  before=$(list_files)
   said=$("$STYLUT" "$@" 2>&1 >/dev/null </dev/null) || status=$?
-  after=$(list_files)
   local line="'stylut $*'"
   [ "$status" = "$code" ] || complain "$line: exit $status, expected $code; it said '$said'"
-  [[ $said == 'stylut: error: '* ]] || complain "$line: said '$said', expected 'stylut: error: ...'"
-  [[ $said != *$'\n'* ]] || complain "$line: said '$said', expected one line"
+  [[ $said == 'stylut: error: '* && $said != *$'\n'* ]] || complain "$line: said '$said', expected one line 'stylut: error: ...'"
   [[ $said == *"$named"* ]] || complain "$line: said '$said', expected it to name '$named'"
-  [ "$before" = "$after" ] || complain "$line: changed files:
+}
+
+# refuse CODE NAMED COMMAND...: and writes nothing, either.
+refuse() {
+  local before after
+  before=$(list_files)
+  complain_unless_refused "$@"
+  after=$(list_files)
+  [ "$before" = "$after" ] || complain "'stylut ${*:3}': changed files:
 $(diff <(printf '%s\n' "$before") <(printf '%s\n' "$after"))"
+}
+
+# beside CHECK...: runs a check in a copy of the folder, while the test goes on;
+# two at a time. `wait` for them before the end.
+beside() {
+  local copy
+  while [ "$(jobs -pr | wc -l)" -ge 2 ]; do wait -n || true; done
+  copy=$(mktemp -d "$BATS_TEST_TMPDIR/beside.XXXXXX")
+  cp -r . "$copy"
+  (
+    cd "$copy" || exit 1
+    "$@" || complain "'$*' failed"
+    rm -rf "$copy"
+  ) 3>&- &
 }
 
 # prove COMMAND...: passes, writing out.*, which is removed again. Proved once a
@@ -92,6 +112,7 @@ $(diff <(printf '%s\n' "$before") <(printf '%s\n' "$after"))"
 prove() {
   local proofs=$BATS_FILE_TMPDIR/.proofs
   grep -qsxF -- "$*" "$proofs" && return 0
+  wait
   accept "$@" || return 1
   rm -rf out.*
   printf '%s\n' "$*" >>"$proofs"
@@ -108,7 +129,7 @@ swap() {
     changed+=("$argument")
   done
   [ "${changed[*]}" != "$*" ] || complain "'$*' doesn't hold '$good'"
-  refuse "$code" "$bad" "${changed[@]}"
+  beside refuse "$code" "$bad" "${changed[@]}"
 }
 
 # small_disk SIZE: mounts one at ./disk, or skips the test.

@@ -2,6 +2,7 @@
 
 #include "../scene/scratch.h"
 #include "stylut/guide.h"
+#include "stylut/version.h"
 
 static const unsigned ALL = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT;
 

@@ -13,11 +13,11 @@ enum { HEADER_SIZE = 104 };
 
 static const struct {
   uint32_t vk, channels, channel_size, transfer, lower, upper;
-} layouts[STY_BUNDLE_FILES] = {
-    {STY_VK_R8G8B8A8_SRGB, 4, 1, 2, 0, 255},  {STY_VK_R8G8B8A8_UNORM, 4, 1, 1, 0, 255},
-    {STY_VK_R16G16_UNORM, 2, 2, 1, 0, 65535}, {STY_VK_R32G32B32A32_SFLOAT, 4, 4, 1, 0xBF800000, 0x3F800000},
-    {STY_VK_R8G8_UNORM, 2, 1, 1, 0, 255},
-};
+} layouts[STY_BUNDLE_FILES] = {{STY_VK_R8G8B8A8_SRGB, 4, 1, 2, 0, 255},
+                               {STY_VK_R8G8B8A8_UNORM, 4, 1, 1, 0, 255},
+                               {STY_VK_R16G16_UNORM, 2, 2, 1, 0, 65535},
+                               {STY_VK_R32G32B32A32_SFLOAT, 4, 4, 1, 0xBF800000, 0x3F800000},
+                               {STY_VK_R8G8_UNORM, 2, 1, 1, 0, 255}};
 
 static inline void put32(unsigned char *at, uint32_t value) {
   for (int i = 0; i < 4; i++) at[i] = (unsigned char)(value >> 8 * i);
@@ -132,7 +132,9 @@ static inline Fixture *make_fixture(int width, int height, int lut_side, int sty
 
 static inline void open_fixture(Fixture *fixture) {
   int culprit = -1;
-  const StyRuntimeStatus status = sty_open_bundle(fixture->files, &fixture->bundle, &culprit);
+  StyBlob files[STY_BUNDLE_FILES];
+  memcpy(files, fixture->files, sizeof files);
+  const StyRuntimeStatus status = sty_open_bundle(files, &fixture->bundle, &culprit);
   if (status) fail_msg("file %d: %s", culprit, sty_describe_runtime_status(status));
 }
 

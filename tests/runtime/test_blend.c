@@ -281,14 +281,12 @@ static void test_bad_arguments(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_equals_the_formula),
-      cmocka_unit_test(test_tiles_and_rectangles),
-      cmocka_unit_test(test_radius_0_is_the_exemplar),
-      cmocka_unit_test(test_colours_weigh_by_alpha),
-      cmocka_unit_test(test_votes_outside_are_dropped),
-      cmocka_unit_test(test_depths_drop_votes),
-      cmocka_unit_test(test_bad_arguments),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_equals_the_formula),
+                                     cmocka_unit_test(test_tiles_and_rectangles),
+                                     cmocka_unit_test(test_radius_0_is_the_exemplar),
+                                     cmocka_unit_test(test_colours_weigh_by_alpha),
+                                     cmocka_unit_test(test_votes_outside_are_dropped),
+                                     cmocka_unit_test(test_depths_drop_votes),
+                                     cmocka_unit_test(test_bad_arguments)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

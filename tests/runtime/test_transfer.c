@@ -309,7 +309,6 @@ int main(void) {
       cmocka_unit_test(test_equals_the_formula),    cmocka_unit_test(test_long_frames_and_top_levels),
       cmocka_unit_test(test_tiles_equal_the_whole), cmocka_unit_test(test_nothing_covered),
       cmocka_unit_test(test_threshold_is_strict),   cmocka_unit_test(test_sphere_after_itself),
-      cmocka_unit_test(test_bad_arguments),
-  };
+      cmocka_unit_test(test_bad_arguments)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

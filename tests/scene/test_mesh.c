@@ -1,6 +1,7 @@
 #include <math.h>
 
 #include "scratch.h"
+#include "stylut/version.h"
 
 static void expect_refusal(Scratch *scratch, const char *name, const char *text, StyStatus expected,
                            const char *expected_text) {

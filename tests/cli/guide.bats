@@ -1,0 +1,277 @@
+#!/usr/bin/env bats
+# stylut guide: what the pixels of guide maps hold.
+load helpers
+
+# Every pixel of a sphere guide of WxH, by the formula, in the order of dump.
+sphere_channels=A,normal.X,normal.Y,normal.Z,depth.Z,position.X,position.Y,position.Z,object.I
+check_sphere() { # FILE WIDTH HEIGHT
+  dump "$1" $sphere_channels >pixels.txt
+  expect "pixels of $1" "$(wc -l <pixels.txt)" $(($2 * $3))
+  awk -v w="$2" -v h="$3" '
+    function near(a, b) { return a - b < 2e-6 && b - a < 2e-6 }
+    {
+      x = ($1 + 0.5) / w * 2 - 1; y = 1 - ($2 + 0.5) / h * 2; r = x * x + y * y
+      z = r <= 1 ? sqrt(1 - r) : 0
+      if (r <= 1) ok = $3 == 1 && near($4, x) && near($5, y) && near($6, z) && near($7, 1 - z) &&
+                       near($8, x) && near($9, y) && near($10, z) && $11 == 1
+      else ok = $3 == 0 && $4 == 0 && $5 == 0 && $6 == 0 && $7 == "inf" && $8 == 0 && $9 == 0 && $10 == 0 && $11 == 0
+      if (!ok) { print "at " $0; exit 1 }
+    }' pixels.txt >wrong.txt || complain "$1 of $2x$3: $(cat wrong.txt)"
+}
+
+@test "sphere: every value of every channel" {
+  accept guide sphere -s 24 -c all -o square.exr
+  check_sphere square.exr 24 24
+  accept guide sphere -s 25x16 -c all -o wide.exr
+  check_sphere wide.exr 25 16
+}
+
+@test "sphere: channels are those asked for" {
+  accept guide sphere -s 8 -c normal -o normal.exr
+  accept guide sphere -s 8 -o default.exr
+  accept guide sphere -s 8 -c position,object,position -o some.exr
+  accept info normal.exr --format json
+  expect channels "$(json - 'r.channels.map(c => c.name).sort().join()' <<<"$output")" A,normal.X,normal.Y,normal.Z
+  accept info default.exr --format json
+  expect channels "$(json - 'r.channels.map(c => c.name).sort().join()' <<<"$output")" A,depth.Z,normal.X,normal.Y,normal.Z
+  accept info some.exr --format json
+  expect channels "$(json - 'r.channels.map(c => c.name).sort().join()' <<<"$output")" A,object.I,position.X,position.Y,position.Z
+  expect schema "$(json - 'r.schema' <<<"$output")" stylut-info/1
+  expect bits "$(json - 'r.bits' <<<"$output")" 32
+}
+
+@test "sphere: sizes and ranges as info tells them" {
+  accept guide sphere -s 30x20 -o wide.exr
+  accept info wide.exr --format json
+  expect size "$(json - 'r.size' <<<"$output")" '[30,20]'
+  local count
+  count=$(awk 'BEGIN { for (j = 0; j < 20; j++) for (i = 0; i < 30; i++) {
+    x = (i + 0.5) / 15 - 1; y = 1 - (j + 0.5) / 10; n += x * x + y * y > 1 } print n }')
+  expect 'depths that are infinite' "$(json - 'r.channels.find(c => c.name == "depth.Z").not_finite' <<<"$output")" "$count"
+  expect_near 'range of normal.X' "$(json - '(c => c.minimum + " " + c.maximum)(r.channels.find(c => c.name == "normal.X"))' <<<"$output")" \
+    '-0.966667 0.966667' 1e-4
+  accept guide sphere -o default.exr --format json
+  expect 'default size' "$(json - 'r.size' <<<"$output")" '[512,512]'
+}
+
+@test "sphere: PNG in 8 and 16 bits" {
+  local bits top
+  for bits in 8 16; do
+    top=$(((1 << bits) - 1))
+    accept guide sphere -s 17x20 --bits $bits -o map.png
+    accept info map.png --format json
+    expect bits "$(json - r.bits <<<"$output")" $bits
+    dump map.png R,G,B,A $top | awk -v w=17 -v h=20 -v top=$top '
+      function off(a, n) { d = a - (n / 2 + 0.5) * top; return d > 0.501 || d < -0.501 }
+      {
+        x = ($1 + 0.5) / w * 2 - 1; y = 1 - ($2 + 0.5) / h * 2; r = x * x + y * y
+        if (r > 1) bad = $3 || $4 || $5 || $6
+        else bad = off($3, x) || off($4, y) || off($5, sqrt(1 - r)) || $6 != top
+        if (bad) { print; exit }
+      }
+      END { if (NR != w * h) print NR " pixels" }' >wrong.txt
+    expect "wrong pixels of $bits bits" "$(cat wrong.txt)" ''
+  done
+  accept guide sphere -s 8 -o eight.png
+  accept guide sphere -s 8 --bits 8 -o also.png --no-history
+  accept guide sphere -s 8 -o plain.png --no-history
+  expect_same also.png plain.png
+}
+
+# What holds for every guide of a scene: A is 0 or 1, misses have their values,
+# normals are of unit length and never face away (from an orthographic camera).
+check_scene() { # FILE [LEAST-NORMAL.Z]
+  dump "$1" $sphere_channels >pixels.txt
+  awk -v least="${2:--0.001}" '
+    {
+      n = sqrt($4 * $4 + $5 * $5 + $6 * $6)
+      if ($3 == 1) ok = n > 0.99999 && n < 1.00001 && $6 > least + 0 && $7 > -1e-6 && $7 != "inf" && $11 >= 1 && $11 == int($11)
+      else ok = $3 == 0 && n == 0 && $7 == "inf" && $8 == 0 && $9 == 0 && $10 == 0 && $11 == 0
+      if (!ok) { print "at " $0; exit 1 }
+    }' pixels.txt >wrong.txt || complain "$1: $(cat wrong.txt)"
+}
+
+@test "scene: the creature from all sides, orthographic and in perspective" {
+  local view camera covered
+  for camera in orthographic perspective; do
+    for view in front three-quarter 90,0 -120,-35.5 0,90; do
+      [[ $camera = orthographic || $view = three-quarter || $view = 0,90 ]] || continue
+      accept guide scene "$exemplars/creature.ply" -s 96x80 -c all --view=$view --camera $camera -o c.exr --format json
+      covered=$(json - r.covered <<<"$output")
+      check_scene c.exr $([ $camera = orthographic ] || echo -0.5)
+      expect 'covered pixels' "$covered" "$(awk '$3 == 1' pixels.txt | wc -l)"
+      expect_less 'share covered' 0.05 "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')"
+      expect_less 'share covered' "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')" 0.8
+      # Views differ from each other.
+      [ ! -e before.txt ] || expect_other before.txt pixels.txt
+      cp pixels.txt before.txt
+    done
+  done
+  accept guide scene "$exemplars/creature.ply" -s 64 --view three-quarter --no-history -o a.exr
+  accept guide scene "$exemplars/creature.ply" -s 64 --view 35,20 --no-history -o b.exr
+  expect_same a.exr b.exr
+  accept guide scene "$exemplars/creature.ply" -s 64 --view front --no-history -o a.exr
+  accept guide scene "$exemplars/creature.ply" -s 64 --no-history -o b.exr
+  expect_same a.exr b.exr
+}
+
+@test "scene: what is right in a view is right in the picture" {
+  # A slab that faces +Z, its left half nearer; seen from the front and from +X.
+  printf '%s\n' 'v -2 -1 1' 'v 0 -1 1' 'v 0 1 1' 'v -2 1 1' 'v 0 -1 0' 'v 1 -1 0' 'v 1 1 0' 'v 0 1 0' 'f 1 2 3 4' 'f 5 6 7 8' >slab.obj
+  accept guide scene slab.obj -s 30x20 -c all --margin 0 -o front.exr
+  check_scene front.exr
+  local row
+  row=$(awk '$2 == 10 && $3 == 1' pixels.txt)
+  expect 'row covered' "$(wc -l <<<"$row")" 30
+  expect_near 'position at the left' "$(awk '$1 == 0 { print $8, $10 }' <<<"$row")" '-1.95 1' 1e-4
+  expect_near 'position at the right' "$(awk '$1 == 29 { print $8, $10 }' <<<"$row")" '0.95 0' 1e-4
+  expect_near 'depth between the halves' "$(awk '$1 == 0 { a = $7 } $1 == 29 { print $7 - a }' <<<"$row")" 1 1e-4
+  expect_near 'normal' "$(awk '$1 == 3 { print $4, $5, $6 }' <<<"$row")" '0 0 1' 1e-6
+  expect_near 'position.Y of the top row' "$(awk '$1 == 3 && $2 == 0 { print $9 }' pixels.txt)" 0.95 1e-4
+  accept guide scene slab.obj -s 30x20 -c normal --view 60,0 -o side.exr
+  expect_near 'normal from +X' "$(dump side.exr A,normal.X,normal.Y,normal.Z | awk '$3 == 1 { print $4, $5, $6; exit }')" '-0.8660254 0 0.5' 1e-5
+  accept guide scene slab.obj -s 30x20 -c normal --view 0,30 -o above.exr
+  expect_near 'normal from above' "$(dump above.exr A,normal.X,normal.Y,normal.Z | awk '$3 == 1 { print $4, $5, $6; exit }')" '0 -0.5 0.8660254' 1e-5
+}
+
+write_cube() {
+  printf 'v %s\n' '-1 -1 -1' '1 -1 -1' '1 1 -1' '-1 1 -1' '-1 -1 1' '1 -1 1' '1 1 1' '-1 1 1'
+  printf 'f %s\n' '5 6 7 8' '2 1 4 3' '6 2 3 7' '1 5 8 4' '8 7 3 4' '1 2 6 5'
+}
+count_normals() { dump "$1" A,normal.X,normal.Y,normal.Z | awk '$3 == 1 { printf "%.4f %.4f %.4f\n", $4, $5, $6 }' | sort -u | wc -l; }
+
+@test "scene: flat and smooth normals" {
+  write_cube >cube.obj
+  local view=(-s 40 -c normal --view 30,20 --no-history)
+  accept guide scene cube.obj "${view[@]}" --flat -o flat.exr
+  accept guide scene cube.obj "${view[@]}" --crease 30 -o hard.exr
+  accept guide scene cube.obj "${view[@]}" --crease 120 -o smooth.exr
+  accept guide scene cube.obj "${view[@]}" -o default.exr
+  expect 'normals of facets' "$(count_normals flat.exr)" 3
+  expect_same flat.exr hard.exr
+  expect_same default.exr hard.exr
+  expect_less 'normals when smooth' 100 "$(count_normals smooth.exr)"
+  # Flat: the view frame of (1,0,0) from azimuth 30, elevation 20 is among them.
+  dump flat.exr A,normal.X,normal.Y,normal.Z | awk '$3 == 1 { printf "%.4f %.4f %.4f\n", $4, $5, $6 }' | sort -u |
+    grep -qx '0.8660 -0.1710 0.4698' || complain "flat.exr lacks the normal of the side that faces +X"
+}
+
+# Bounds of the covered pixels: left top right bottom, counted from the borders.
+get_margins() { dump "$1" A | awk -v w="$2" -v h="$3" '$3 == 1 {
+  if (l == "" || $1 < l) l = $1; if ($1 > r) r = $1; if (t == "" || $2 < t) t = $2; if ($2 > b) b = $2 }
+  END { print l, t, w - 1 - r, h - 1 - b }'; }
+
+@test "scene: margins" {
+  write_cube >cube.obj
+  local margin camera
+  for camera in orthographic perspective; do
+    accept guide scene cube.obj -s 60x40 --margin 0 --camera $camera -o m.exr
+    expect_match "$camera, no margin" "$(get_margins m.exr 60 40)" '^(9|1[0-2]) 0 (9|1[0-2]) 0$'
+    accept guide scene cube.obj -s 60x40 --margin 0.25 --camera $camera -o m.exr
+    expect_match "$camera, a quarter" "$(get_margins m.exr 60 40)" '^(19|20|21) (9|10) (19|20|21) (9|10)$'
+  done
+  accept guide scene cube.obj -s 60x40 -o m.exr
+  expect 'default margin' "$(get_margins m.exr 60 40)" '12 2 12 2'
+}
+
+@test "scene: a mirrored mesh gives the mirrored guide" {
+  # A bumpy sheet, nowhere symmetric.
+  write_sheet() { # SIGN
+    awk -v s="$1" 'BEGIN {
+      n = 12
+      for (j = 0; j <= n; j++) for (i = 0; i <= n; i++) {
+        x = i / n * 2.1 - 0.9; y = j / n * 1.7 - 0.8 + 0.1 * x * x
+        printf "v %.7f %.7f %.7f\n", s * x, y, 0.4 * sin(2.3 * x + 1) * cos(3.1 * y) - 0.3 * x }
+      for (j = 0; j < n; j++) for (i = 0; i < n; i++) {
+        a = j * (n + 1) + i + 1; b = a + 1; c = b + n + 1; d = a + n + 1
+        if (s > 0) printf "f %d %d %d\nf %d %d %d\n", a, b, c, a, c, d
+        else printf "f %d %d %d\nf %d %d %d\n", a, c, b, a, d, c } }'
+  }
+  write_sheet 1 >right.obj
+  write_sheet -1 >left.obj
+  local angle=-25
+  for options in '--view 25,10' '--view 25,10 --camera perspective' '--flat --view 25,10'; do
+    # shellcheck disable=SC2086
+    accept guide scene right.obj -s 61x50 -c all $options -o right.exr
+    # shellcheck disable=SC2086
+    accept guide scene left.obj -s 61x50 -c all ${options/25,10/$angle,10} -o left.exr
+    dump right.exr $sphere_channels | awk '{ $1 = 60 - $1; $4 = 0 - $4; $8 = 0 - $8; print }' | sort -k2,2n -k1,1n >a.txt
+    dump left.exr $sphere_channels | sort -k2,2n -k1,1n >b.txt
+    expect 'covered' "$(awk '$3 == 1' a.txt | wc -l)" "$(awk '$3 == 1' b.txt | wc -l)"
+    paste -d' ' a.txt b.txt | awk '{ for (k = 1; k <= 11; k++) { d = $k - $(k + 11); if ($k != $(k + 11) && (d > 1e-5 || d < -1e-5 || d != d)) { print; exit } } }' >wrong.txt
+    expect "mirrored with $options" "$(cat wrong.txt)" ''
+  done
+}
+
+@test "scene: the same shape in OBJ, PLY, OFF and STL gives the same guide" {
+  printf 'v 0 0 0\nv 1 0 0.2\nv 0 1 0\nv 0.3 0.3 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >t.obj
+  printf 'OFF\n4 4 0\n0 0 0\n1 0 0.2\n0 1 0\n0.3 0.3 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' >t.off
+  {
+    printf '%s\n' ply 'format ascii 1.0' 'element vertex 4' 'property float x' 'property float y' 'property float z' \
+      'element face 4' 'property list uchar int vertex_indices' end_header
+    sed '1,2d' t.off
+  } >t.ply
+  {
+    echo 'solid t'
+    awk '/^v/ { p[++n] = $2 " " $3 " " $4 } /^f/ { print "facet normal 0 0 0\nouter loop"; for (k = 2; k <= 4; k++) print "vertex " p[$k]; print "endloop\nendfacet" }' t.obj
+    echo 'endsolid t'
+  } >t.stl
+  local ending
+  accept guide scene t.obj -s 32 -c all --view 40,30 --crease 0 --no-history -o obj.exr
+  for ending in off ply stl; do
+    accept guide scene t.$ending -s 32 -c all --view 40,30 --crease 0 --no-history -o $ending.exr
+    expect_same obj.exr $ending.exr
+  done
+}
+
+@test "the report as JSON" {
+  accept guide scene "$exemplars/creature.ply" -s 64x48 -o c.exr --format json
+  expect schema "$(json - r.schema <<<"$output")" stylut-guide/1
+  expect size "$(json - r.size <<<"$output")" '[64,48]'
+  expect triangles "$(json - r.triangles <<<"$output")" "$(sed -n 's/^element face //p;/^end_header/q' <"$exemplars/creature.ply")"
+  expect keys "$(json - 'Object.keys(r).sort().join()' <<<"$output")" covered,mrays_per_s,peak_bytes,schema,size,time_ms,triangles
+  expect times "$(json - 'Object.keys(r.time_ms).sort().join()' <<<"$output")" build,read,trace,write
+  expect 'numbers' "$(json - 'Object.values(r.time_ms).every(t => t >= 0) && r.peak_bytes > 1e6 && r.mrays_per_s > 0' <<<"$output")" true
+}
+
+@test "text reports, and silence with --quiet" {
+  accept guide sphere -s 8 -o s.exr
+  expect_match report "$output" '^s.exr: 8x8, 8[0-9.]* % covered$'
+  accept guide scene "$exemplars/creature.ply" -s 8 -o s.exr
+  expect_holds report "$output" 'triangles; read'
+  accept guide sphere -s 8 -o s.exr -q
+  expect 'quiet report' "$output" ''
+}
+
+@test "--dry-run writes nothing and still checks the input" {
+  accept guide sphere -s 8 -o s.exr --dry-run
+  expect_holds report "$output" 'would write s.exr'
+  accept guide scene "$exemplars/creature.ply" -s 8 -o s.exr --dry-run
+  expect 'files' "$(list_files)" /
+  refuse 2 missing.ply guide scene missing.ply -s 8 -o s.exr --dry-run
+}
+
+@test "history: version, command and input hashes, unless --no-history" {
+  cp "$exemplars/creature.ply" mesh.ply
+  local version ending
+  version=$("$STYLUT" --version | sed -n '1s/stylut //p')
+  for ending in exr png; do
+    accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending
+    accept info c.$ending --format json
+    expect version "$(json - 'r.attributes["stylut:version"]' <<<"$output")" "$version"
+    expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum mesh.ply | cut -d' ' -f1)"
+    expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide --view=30,10 --size=16 scene mesh.ply'
+    accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending --no-history
+    accept info c.$ending --format json
+    expect attributes "$(json - 'Object.keys(r.attributes).length' <<<"$output")" 0
+  done
+}
+
+@test "an output replaces an older file, and gets the permissions of any new file" {
+  (umask 027 && "$STYLUT" guide sphere -s 8 -q -o s.exr)
+  expect permissions "$(stat -c %a s.exr)" 640
+  echo old >s.exr
+  accept guide sphere -s 8 -o s.exr
+  accept info s.exr
+  expect 'files' "$(list_files | wc -l)" 2
+}

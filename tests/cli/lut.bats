@@ -1,0 +1,224 @@
+#!/usr/bin/env bats
+# stylut lut and check: tables from every exact engine, and their audit.
+load helpers
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return 1
+  "$STYLUT" guide sphere -s 40 -q -o sphere.exr
+  "$STYLUT" guide sphere -s 31x24 -q -o wide.exr
+  "$STYLUT" guide sphere -s 40 -q -o sphere8.png
+  "$STYLUT" guide sphere -s 40 --bits 16 -q -o sphere16.png
+  "$STYLUT" guide scene "$exemplars/creature.ply" -s 60x50 -q -o creature.exr
+  "$STYLUT" guide scene "$exemplars/creature.ply" -s 60x50 -q -o creature8.png
+  "$STYLUT" guide scene "$exemplars/creature.ply" -s 60x50 --bits 16 -q -o creature16.png
+}
+
+# same_tables GUIDE SIZE ENGINE...: all give the bytes of brute.
+same_tables() {
+  local guide=$1 size=$2 engine sampling
+  shift 2
+  for sampling in centre unorm8; do
+    accept lut "$guide" -s "$size" --sampling $sampling -e brute --no-history -o brute.exr || return 1
+    for engine in "$@"; do
+      rm -f other.exr
+      accept lut "$guide" -s "$size" --sampling $sampling -e "$engine" --no-history -o other.exr || return 1
+      expect_same brute.exr other.exr
+    done
+  done
+}
+
+@test "engines give the same bytes: spheres" {
+  bring 'sphere*' wide.exr
+  beside same_tables sphere.exr 48 flann-single analytic
+  beside same_tables wide.exr 33 flann-single analytic
+  beside same_tables sphere8.png 48 flann-single
+  beside same_tables sphere16.png 48 flann-single
+  wait
+}
+
+@test "engines give the same bytes: the creature" {
+  bring 'creature*'
+  beside same_tables creature.exr 64 flann-single
+  beside same_tables creature8.png 64 flann-single
+  beside same_tables creature16.png 64 flann-single
+  wait
+}
+
+@test "engines give the same bytes: painters' guides" {
+  need_data unity-plugin/s_normals.png frames/golem.001.png
+  same_tables "$shared_data/unity-plugin/s_normals.png" 24 flann-single auto
+  same_tables "$shared_data/frames/golem.001.png" 16 flann-single auto
+}
+
+@test "the table is what an independent search finds" {
+  accept guide sphere -s 13x11 -c normal -o g.exr
+  accept lut g.exr -s 15 -o t.exr
+  dump g.exr A,normal.X,normal.Y >guide.txt
+  dump t.exr u,v,error >table.txt
+  awk '
+    NR == FNR { if ($3 == 1) { x[n] = $4; y[n] = $5; at[$1 " " $2] = n++ } next }
+    {
+      gx = ($1 + 0.5) / 15 * 2 - 1; gy = 1 - ($2 + 0.5) / 15 * 2
+      least = 9
+      for (k = 0; k < n; k++) { d = sqrt((gx - x[k]) ^ 2 + (gy - y[k]) ^ 2); if (d < least) least = d }
+      px = $3 * 13 - 0.5; py = $4 * 11 - 0.5
+      key = int(px + 0.5) " " int(py + 0.5)
+      off = px - int(px + 0.5) + py - int(py + 0.5)
+      if (!(key in at) || off > 1e-3 || off < -1e-3) { print "no source pixel: " $0; exit }
+      k = at[key]
+      d = sqrt((gx - x[k]) ^ 2 + (gy - y[k]) ^ 2)
+      if (d > least + 1e-6 || d - $5 > 1e-6 || $5 - d > 1e-6) { print "not nearest: " $0 ", least " least; exit }
+    }
+    END { if (FNR != 225) print FNR " texels" }' guide.txt table.txt >wrong.txt
+  expect wrong "$(cat wrong.txt)" ''
+}
+
+@test "of equally near pixels the first in reading order is taken" {
+  # Two colours only, each in many pixels.
+  oiiotool --create 8x8 3 --fill:color=0.2,0.5,0.9 8x4 --fill:color=0.9,0.5,0.7 8x4+0+4 -d uint8 -o two.png
+  local engine
+  for engine in brute flann-single; do
+    accept lut two.png -s 8 -e $engine -o t.exr
+    expect "sources by $engine" "$(dump t.exr u,v | cut -d' ' -f3- | sort -u | tr '\n' ',')" '0.062500000 0.062500000,0.062500000 0.562500000,'
+  done
+}
+
+@test "the analytic engine takes spheres only" {
+  bring creature.exr sphere8.png
+  refuse 3 creature.exr lut creature.exr -e analytic -o t.exr
+  refuse 3 sphere8.png lut sphere8.png -e analytic -o t.exr
+}
+
+@test "encodings hold the same table" {
+  bring sphere.exr
+  local encoding
+  accept lut sphere.exr -s 20 -o f32.exr
+  for encoding in rg16 rg8x2 rg8; do accept lut sphere.exr -s 20 --encoding $encoding -o $encoding.png; done
+  accept lut sphere.exr -s 20 -o default.png
+  expect 'default PNG' "$(dump default.png R,G 65535)" "$(dump rg16.png R,G 65535)"
+  dump f32.exr u,v | awk '{ printf "%d %d %d %d\n", $1, $2, $3 * 65535 + 0.5, $4 * 65535 + 0.5 }' >f32.txt
+  expect rg16 "$(dump rg16.png R,G 65535)" "$(cat f32.txt)"
+  expect rg8x2 "$(dump rg8x2.png R,G,B,A 255 | awk '{ print $1, $2, $3 * 256 + $4, $5 * 256 + $6 }')" "$(cat f32.txt)"
+  expect rg8 "$(dump rg8.png R,G 255)" "$(dump f32.exr u,v | awk '{ printf "%d %d %d %d\n", $1, $2, $3 * 255 + 0.5, $4 * 255 + 0.5 }')"
+  # All of them read back as the same table: a source of 40 pixels fits a byte.
+  accept check f32.exr --guide sphere.exr
+  local text=$output
+  for encoding in rg16 rg8x2 rg8; do
+    accept check $encoding.png --guide sphere.exr
+    expect "audit of $encoding" "$output" "$text"
+  done
+}
+
+@test "a table says what it is" {
+  bring sphere.exr
+  accept lut sphere.exr -s 9 --sampling unorm8 -o t.exr
+  accept info t.exr --format json
+  expect attributes "$(json - '["kind", "encoding", "source", "sampling", "metric", "map"].map(k => r.attributes["stylut:" + k]).join()' <<<"$output")" \
+    lut,f32,40x40,unorm8,xy,xy
+  expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum sphere.exr | cut -d' ' -f1)"
+  accept lut sphere.exr -s 9 --no-history -o t.exr
+  accept info t.exr --format json
+  expect attributes "$(json - 'Object.keys(r.attributes).sort().join()' <<<"$output")" \
+    stylut:encoding,stylut:kind,stylut:map,stylut:metric,stylut:sampling,stylut:source
+}
+
+@test "lut's report as JSON" {
+  bring creature8.png sphere.exr
+  accept lut creature8.png -s 20 -e brute -o t.exr --format json
+  expect facts "$(json - '[r.schema, r.engine, r.size, r.sampling, r.encoding].join()' <<<"$output")" stylut-lut/1,brute,20,centre,f32
+  expect points "$(json - r.points <<<"$output")" "$(dump creature8.png A | awk '$3 == 1' | wc -l)"
+  expect unique "$(json - r.unique <<<"$output")" "$(dump creature8.png R,G,A 255 | awk '$5 > 0 { print $3, $4 }' | sort -u | wc -l)"
+  expect times "$(json - 'Object.keys(r.time_ms).sort().join()' <<<"$output")" build,read,write
+  expect numbers "$(json - 'Object.values(r.time_ms).every(t => t >= 0) && r.peak_bytes > 1e6 && r.mean_distance <= r.max_distance' <<<"$output")" true
+  accept lut sphere.exr -s 20 -o t.exr --format json
+  expect_match 'engine of auto' "$(json - r.engine <<<"$output")" '^(analytic|flann-single|cgal|grid)$'
+}
+
+@test "--dry-run writes nothing" {
+  bring sphere.exr
+  accept lut sphere.exr -o t.exr --dry-run
+  expect_holds report "$output" 'would write t.exr'
+  [ ! -e t.exr ] || complain "t.exr was written"
+}
+
+@test "check: text and JSON agree, and figures are plausible" {
+  bring sphere.exr
+  accept lut sphere.exr -s 64 -o t.exr
+  accept check t.exr --guide sphere.exr
+  local text=$output
+  expect_match text "$text" '^assignment +mean [0-9.]+  p50 [0-9.]+  p95 [0-9.]+  p99 [0-9.]+  max [0-9.]+ degrees'
+  expect_holds text "$text" 'lookup'
+  expect_holds text "$text" 'coverage'
+  accept check t.exr --guide sphere.exr --format json
+  expect facts "$(json - '[r.schema, r.size, r.sampling, r.background].join()' <<<"$output")" stylut-audit/1,64,centre,0
+  expect_holds 'mean of both' "$text" "lookup      mean $(json - 'r.lookup.mean.toFixed(3)' <<<"$output") "
+  expect ordered "$(json - '["assignment", "lookup"].every(k => (f => 0 <= f.mean && f.p50 <= f.p95 && f.p95 <= f.p99 && f.p99 <= f.max && f.max < 180)(r[k]))' <<<"$output")" true
+  expect feasible "$(json - r.feasible <<<"$output")" "$(awk 'BEGIN { for (j = 0; j < 64; j++) for (i = 0; i < 64; i++) {
+    x = (i + 0.5) / 32 - 1; y = (j + 0.5) / 32 - 1; n += x * x + y * y <= 1 } print n }')"
+  expect coverage "$(json - 'r.coverage > 0.99 && r.coverage <= 1' <<<"$output")" true
+  # A larger table of the same guide errs less; a byte table of a float guide errs nowhere in between.
+  local mean
+  mean=$(json - r.lookup.mean <<<"$output")
+  accept lut sphere.exr -s 256 -o t.exr
+  accept check t.exr --guide sphere.exr --format json
+  expect_less 'mean of the larger table' "$(json - r.lookup.mean <<<"$output")" "$mean"
+  accept lut sphere.exr -s 256 --sampling unorm8 -o t.exr
+  accept check t.exr --guide sphere.exr --format json
+  expect 'unorm8: lookup is assignment' "$(json - 'JSON.stringify(r.lookup) === JSON.stringify(r.assignment)' <<<"$output")" true
+}
+
+# A budget that is just met and one that is just missed.
+@test "check: budgets met and exceeded, a line each" {
+  bring sphere.exr
+  local report status said
+  accept lut sphere.exr -s 32 -o t.exr
+  accept check t.exr --guide sphere.exr --format json
+  report=$output
+  budgets() { # FACTOR
+    json - "'--max-mean ' + r.lookup.mean * $1 + ' --max-p99 ' + r.lookup.p99 * $1 + ' --max-error ' + r.lookup.max * $1 + ' --min-coverage ' + Math.max(0, r.coverage / $1 - 1e-6)" <<<"$report"
+  }
+  # shellcheck disable=SC2046
+  accept check t.exr --guide sphere.exr $(budgets 1.001)
+  local option count=0
+  status=0
+  # shellcheck disable=SC2046
+  said=$("$STYLUT" check t.exr --guide sphere.exr $(budgets 0.999 | sed 's/--min-coverage.*/--min-coverage 1/') 2>&1 >/dev/null) || status=$?
+  expect 'exit of a failed check' $status 6
+  for option in --max-mean --max-p99 --max-error; do
+    expect "lines about $option" "$(grep -c "^stylut: check failed: t.exr: $option: found .*, expected at most " <<<"$said")" 1
+  done
+  expect 'lines in all' "$(grep -c . <<<"$said")" $((3 + $(json - 'r.coverage < 1 ? 1 : 0' <<<"$report")))
+  for option in '--max-mean 0' '--max-p99 0' '--max-error 0'; do
+    status=0
+    # shellcheck disable=SC2086
+    said=$("$STYLUT" check t.exr --guide sphere.exr $option 2>&1 >/dev/null) || status=$?
+    expect "exit of $option" $status 6
+    expect "lines of $option" "$(wc -l <<<"$said")" 1
+    count=$((count + 1))
+  done
+  expect checked $count 3
+  # Coverage: half a sphere covers half of the domain.
+  oiiotool sphere.exr --fill:color=0,0,0,0,0 20x40 -o half.exr
+  accept lut half.exr -s 32 -o h.exr
+  accept check h.exr --guide half.exr --format json
+  expect_near 'coverage of half a sphere' "$(json - r.coverage <<<"$output")" 0.5 0.05
+  status=0
+  said=$("$STYLUT" check h.exr --guide half.exr --min-coverage 0.9 2>&1 >/dev/null) || status=$?
+  expect 'exit of --min-coverage' $status 6
+  expect_match 'line of --min-coverage' "$said" '^stylut: check failed: h.exr: --min-coverage: found 0\.[0-9]+, expected at least 0.9$'
+}
+
+@test "check finds a table that is wrong" {
+  bring sphere.exr
+  accept lut sphere.exr -s 32 -o t.png
+  accept check t.png --guide sphere.exr --max-mean 4
+  # Turned by half: every normal is answered by its opposite.
+  oiiotool t.png --rotate180 -o turned.png
+  local status=0
+  "$STYLUT" check turned.png --guide sphere.exr --max-mean 4 >/dev/null 2>&1 || status=$?
+  expect 'exit' $status 6
+  # Pointing at the background.
+  oiiotool t.png --fill:color=0,0,0 8x8+12+12 -o hole.png
+  accept check hole.png --guide sphere.exr --format json
+  expect 'texels on the background' "$(json - r.background <<<"$output")" 64
+}
