@@ -162,6 +162,11 @@ artwork: $(PAINT) $(CREATURE) ## repaint the exemplars and mesh the creature aga
 	$(PAINT) exemplars/spheres
 	$(CREATURE) exemplars/creature.ply
 
+# The README's pictures, from the demo's.
+.PHONY: pictures
+pictures: demo ## refresh the pictures that the README shows
+	@exemplars/pictures.sh build/demo exemplars/pictures
+
 .PHONY: style
 style: ## formatting, includes, shell scripts
 	@tests/style.sh

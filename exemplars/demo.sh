@@ -51,19 +51,25 @@ for style in "${styles[@]}"; do
     --nnf "$out/$style.nnf.png" --chunks "$out/$style.chunks.png" -q
 done
 
-# The contact sheet: exemplar, its guide, its table, the stylized creature.
-tile=400
-paper=(--create "${tile}x$tile" 3 --fill:color=1,1,1 "${tile}x$tile")
+# The contact sheet, a column per style: exemplar, its guide, its table, the
+# stylized creature. Each lies on white paper with a little air around.
+# shellcheck disable=SC2054 # commas are oiiotool's, not the array's
+on_paper=(--premult --fit:pad=1 380x380 --origin +10+10
+  --create 400x400 3 --fill:color=1,1,1 400x400 --ch R,G,B,A=1 --over --ch R,G,B)
 sheet=()
+for style in "${styles[@]}"; do sheet+=("$here/spheres/$style.png" "${on_paper[@]}"); done
 for style in "${styles[@]}"; do
-  sheet+=("$here/spheres/$style.png" --resize "${tile}x$tile" "${paper[@]}" --ch R,G,B,A=1 --over --ch R,G,B)
+  # shellcheck disable=SC2054
   sheet+=("$out/$style.guide.exr" --ch normal.X,normal.Y,normal.Z,A --mulc 0.5,0.5,0.5,1 --addc 0.5,0.5,0.5,0
-    --chnames R,G,B,A --resample "${tile}x$tile" --premult "${paper[@]}" --ch R,G,B,A=1 --over --ch R,G,B)
-  sheet+=("$out/$style.lut.exr" --ch u,v,error --chnames R,G,B --mulc 1,1,4 --resample "${tile}x$tile")
-  sheet+=("$out/$style.png" --resize "${tile}x$tile" "${paper[@]}" --ch R,G,B,A=1 --over --ch R,G,B)
+    --chnames R,G,B,A "${on_paper[@]}")
 done
+# shellcheck disable=SC2054
+for style in "${styles[@]}"; do
+  sheet+=("$out/$style.lut.exr" --ch u,v,error,A=1 --chnames R,G,B,A --mulc 1,1,4,1 "${on_paper[@]}")
+done
+for style in "${styles[@]}"; do sheet+=("$out/$style.png" "${on_paper[@]}"); done
 say "contact sheet"
-step sheet oiiotool --no-autopremult "${sheet[@]}" --mosaic:pad=8 4x${#styles[@]} -d uint8 -o "$out/contact.png"
+step sheet oiiotool --no-autopremult "${sheet[@]}" --mosaic ${#styles[@]}x4 -d uint8 -o "$out/contact.png"
 
 printf '\n%-12s %9s %9s %9s %9s\n' 'time, ms' guide lut check stylize
 for style in "${styles[@]}"; do

@@ -9,17 +9,25 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+char *sty_name_temporary(const char *path, unsigned attempt) {
+  char *name = NULL;
+  const unsigned mark = ((unsigned)getpid() * 2654435761u + attempt * 40503u) >> 8 & 0xffffffu;
+  return asprintf(&name, "%s.%06x", path, mark) < 0 ? NULL : name;
+}
+
 StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
   struct stat info;
   if (!*path) return sty_fail(error, STY_ERROR_USAGE, "output: found an empty name, expected a file name");
   if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
     return sty_fail(error, STY_ERROR_FILE, "%s: found a folder, expected a file name to write to", path);
   StyOutput output = {NULL, strdup(path), NULL};
-  if (!output.path || asprintf(&output.temporary, "%s.XXXXXX", path) < 0) {
-    free(output.path);
-    return sty_fail_memory(error, path, (double)strlen(path));
+  int descriptor = -1;
+  for (unsigned attempt = 0; output.path && descriptor < 0 && attempt < STY_TEMPORARY_ATTEMPTS; attempt++) {
+    free(output.temporary);
+    output.temporary = sty_name_temporary(path, attempt);
+    descriptor = output.temporary ? open(output.temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666) : -1;
+    if (descriptor < 0 && errno != EEXIST) break;
   }
-  const int descriptor = mkstemp(output.temporary);
   if (descriptor < 0) {
     const int cause = errno;
     free(output.path);
@@ -27,10 +35,6 @@ StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
     return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
                     path, strerror(cause));
   }
-  /* mkstemp makes private files; what we leave behind should be as any other. */
-  const mode_t mask = umask(0);
-  umask(mask);
-  fchmod(descriptor, 0666 & ~mask);
   output.stream = fdopen(descriptor, "w+b");
   if (!output.stream) {
     close(descriptor);

@@ -69,26 +69,27 @@ static StyStatus open_texture(StyBundleWriter *writer, int which, uint32_t forma
 
 static StyStatus make_temporary(StyBundleWriter *writer, const char *path, StyError *error) {
   writer->path = strdup(path);
-  while (writer->path && strlen(writer->path) > 1 && writer->path[strlen(writer->path) - 1] == '/')
-    writer->path[strlen(writer->path) - 1] = 0;
-  if (!writer->path || asprintf(&writer->temporary, "%s.XXXXXX", writer->path) < 0) {
-    writer->temporary = NULL;
-    return sty_fail_memory(error, path, (double)strlen(path));
-  }
+  if (!writer->path) return sty_fail_memory(error, path, (double)strlen(path));
+  for (size_t length = strlen(path); length > 1 && writer->path[length - 1] == '/'; length--)
+    writer->path[length - 1] = 0;
   const StyStatus status = check_target(writer->path, error);
-  if (status || !mkdtemp(writer->temporary)) {
-    const int cause = errno;
-    free(writer->temporary);
-    writer->temporary = NULL;
-    return status ? status
-                  : sty_fail(error, STY_ERROR_FILE,
-                             "%s: cannot write: %s; expected a folder that exists and can be written to", path,
-                             strerror(cause));
+  if (status) return status;
+  int made = -1;
+  char *name = NULL;
+  for (unsigned attempt = 0; made != 0 && attempt < STY_TEMPORARY_ATTEMPTS; attempt++) {
+    free(name);
+    name = sty_name_temporary(writer->path, attempt);
+    made = name ? mkdir(name, 0777) : -1;
+    if (made != 0 && errno != EEXIST) break;
   }
-  const mode_t mask = umask(0);
-  umask(mask);
-  chmod(writer->temporary, 0777 & ~mask);
-  return STY_OK;
+  if (made == 0) {
+    writer->temporary = name;
+    return STY_OK;
+  }
+  const int cause = errno;
+  free(name);
+  return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
+                  path, strerror(cause));
 }
 
 StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, StyBundleWriter **out,

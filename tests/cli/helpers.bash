@@ -144,7 +144,8 @@ json() { node -p 'const r = JSON.parse(require("fs").readFileSync(process.argv[1
 # dump FILE CHANNELS [SCALE]: a line 'x y value...' per pixel; with SCALE (255, 65535)
 # the integers of the file.
 dump() {
-  local copy=$BATS_TEST_TMPDIR/dump.exr
+  local copy
+  copy=$(mktemp --suffix=.exr -p "$BATS_TEST_TMPDIR") # several may run at once
   oiiotool --no-autopremult "$1" --ch "$2" --chnames c0,c1,c2,c3,c4,c5,c6,c7,c8,c9 -d float -o "$copy"
   oiiotool --dumpdata "$copy" | sed -nE 's/^ *Pixel \(([0-9]+), ([0-9]+)\): (.*)/\1 \2 \3/p' |
     if [ -n "${3:-}" ]; then
@@ -152,13 +153,7 @@ dump() {
     else
       cat
     fi
-}
-
-# pixel FILE CHANNELS X Y [SCALE]: the values of one pixel.
-pixel() {
-  local cut=$BATS_TEST_TMPDIR/pixel.exr
-  oiiotool --no-autopremult "$1" --cut "1x1+$3+$4" -d float -o "$cut"
-  dump "$cut" "$2" "${5:-}" | cut -d' ' -f3-
+  rm "$copy"
 }
 
 # expect_near WHAT 'FOUND...' 'EXPECTED...' TOLERANCE: lists of numbers

@@ -146,7 +146,8 @@ static void test_sphere(void **state) {
 
 /* ---- the rest sees cubes ---- */
 
-static const StyView THREE_QUARTER = {35, 20, false, 0, 0.05}, PERSPECTIVE = {35, 20, true, 50, 0.05};
+static const StyView THREE_QUARTER = {35, 20, false, 0, 0.05, STY_UP_Y},
+                     PERSPECTIVE = {35, 20, true, 50, 0.05, STY_UP_Y};
 
 static void test_threads_give_the_same_bytes(void **state) {
   static const StyView *const VIEWS[] = {&THREE_QUARTER, &PERSPECTIVE};

@@ -197,8 +197,15 @@ static void test_refused_openings(void **state) {
   static const struct {
     uint32_t vk;
     int width, height, layers;
-  } cases[] = {{0, 1, 1, 1},  {44, 1, 1, 1},   {37, 0, 1, 1}, {37, 1, 0, 1},
-               {37, 1, 1, 0}, {37, -1, -1, 1}, {37, 1, 1, -2}};
+  } cases[] = {{0, 1, 1, 1},
+               {44, 1, 1, 1},
+               {37, 0, 1, 1},
+               {37, 1, 0, 1},
+               {37, 1, 1, 0},
+               {37, -1, -1, 1},
+               {37, 1, 1, -2},
+               /* more bytes than can be counted: */ {109, 1 << 30, 1 << 30, 1},
+               {109, INT32_MAX, INT32_MAX, INT32_MAX}};
   StyError error;
   StyKtx2 texture;
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

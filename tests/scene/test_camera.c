@@ -74,7 +74,7 @@ static void test_everything_is_in_the_picture(void **state) {
   for (int c = 0; c < 3 * 5 * 3 * 4; c++) {
     const int *size = SIZES[c % 3];
     const double *angles = ANGLES[c / 3 % 5], margin = MARGINS[c / 15 % 3], fov = FOVS[c / 45];
-    const StyView view = {angles[0], angles[1], fov > 0, fov, margin};
+    const StyView view = {angles[0], angles[1], fov > 0, fov, margin, (StyUpAxis)(c % 6)};
     StyCamera camera;
     StyError error;
     assert_int_equal(sty_fit_camera(&scene, &view, size[0], size[1], &camera, &error), STY_OK);
@@ -99,6 +99,27 @@ static void test_axes_of_views(void **state) {
   assert_true(camera.back[0] == 1 && camera.right[2] == -1 && camera.up[1] == 1);
   assert_int_equal(sty_fit_camera(&scene, &top, 8, 8, &camera, NULL), STY_OK);
   assert_true(camera.back[1] == 1 && camera.right[0] == 1 && camera.up[2] == -1);
+}
+
+/* Whatever points up: the frame is right-handed, and up is up. */
+static void test_up_axes(void **state) {
+  (void)state;
+  static const double UPS[6][3] = {{0, 1, 0}, {0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-1, 0, 0}};
+  const StyScene scene = make_cloud();
+  for (int axis = 0; axis < 6; axis++) {
+    StyCamera camera;
+    const StyView front = {.up = (StyUpAxis)axis}, around = {.up = (StyUpAxis)axis, .azimuth = 77, .elevation = 12};
+    assert_int_equal(sty_fit_camera(&scene, &front, 8, 8, &camera, NULL), STY_OK);
+    expect_orthonormal(&camera);
+    for (int k = 0; k < 3; k++) {
+      const int l = (k + 1) % 3, m = (k + 2) % 3;
+      assert_true(camera.up[k] == UPS[axis][k]);
+      assert_true(camera.right[l] * camera.up[m] - camera.right[m] * camera.up[l] == camera.back[k]);
+    }
+    assert_int_equal(sty_fit_camera(&scene, &around, 8, 8, &camera, NULL), STY_OK);
+    expect_orthonormal(&camera);
+    for (int k = 0; k < 3; k++) assert_true(fabs(camera.right[k] * UPS[axis][k]) < 1e-15);
+  }
 }
 
 static void test_square_film_is_the_spheres(void **state) {
@@ -146,6 +167,7 @@ int main(void) {
       cmocka_unit_test(test_views),
       cmocka_unit_test(test_everything_is_in_the_picture),
       cmocka_unit_test(test_axes_of_views),
+      cmocka_unit_test(test_up_axes),
       cmocka_unit_test(test_square_film_is_the_spheres),
       cmocka_unit_test(test_spike_keeps_its_distance),
       cmocka_unit_test(test_absurd_views),

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# The README's pictures, made from the demo's. Usage: pictures.sh DEMO FOLDER
+set -euo pipefail
+demo=$1
+out=$2
+mkdir -p "$out"
+
+# on_paper IN OUT WIDTH: over white, scaled to WIDTH, without metadata.
+on_paper() {
+  local height=$(($3 * 1024 / 900))
+  oiiotool --no-autopremult "$1" --ch R,G,B,A --resize "$3x$height" --premult --create "$3x$height" 3 \
+    --fill:color=1,1,1 "$3x$height" --ch R,G,B,A=1 --over --ch R,G,B -d uint8 --eraseattrib '.*' \
+    --attrib DateTime '2000:01:01 00:00:00' -o "$2"
+}
+
+on_paper "$demo/oil.png" "$out/oil.png" 450
+on_paper "$demo/oil.chunks.png" "$out/chunks.png" 450
+oiiotool "$demo/frame.exr" --ch normal.X,normal.Y,normal.Z,A --mulc 0.5,0.5,0.5,1 --addc 0.5,0.5,0.5,0 \
+  --chnames R,G,B,A -o "$out/normals.tif"
+on_paper "$out/normals.tif" "$out/guide.png" 450
+rm "$out/normals.tif"
+oiiotool "$demo/oil.lut.exr" --ch u,v,error --chnames R,G,B --mulc 1,1,4 -d uint8 --eraseattrib '.*' \
+  --attrib DateTime '2000:01:01 00:00:00' -o "$out/lut.png"
+oiiotool "$demo/contact.png" --resize 50% -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/contact.png"

@@ -1,0 +1,87 @@
+#!/usr/bin/env bats
+# Painters' files, where they are at hand: everything passes, with plausible figures.
+load helpers
+
+# stylize_all BUNDLE FRAME STYLE...: no covered pixel stays without a picture.
+stylize_all() {
+  local bundle=$1 frame=$2 style
+  shift 2
+  for style in "$@"; do
+    accept stylize "$bundle" --guide "$frame" --style "$style" --nnf nnf.png -o out.png --format json || return 1
+    expect_less "share without a chunk, $style on $frame" "$(json - r.fallback <<<"$output")" 0.25
+    expect_less "covered pixels of $frame" 1000 "$(json - r.covered <<<"$output")"
+    local covered
+    covered=$(json - r.covered <<<"$output")
+    expect "pixels in the field of $style on $frame" "$(count_above nnf.png A)" "$covered"
+    expect "pixels of $style on $frame" "$(count_above out.png A)" "$covered"
+  done
+}
+# Pixels of a picture whose channel isn't 0.
+count_above() {
+  oiiotool --no-autopremult "$1" --ch "$2" --chnames Y --rangecheck 0,0 -o /dev/null.png 2>/dev/null | sed -nE 's/^ *([0-9]+) > .*/\1/p'
+}
+
+@test "the golem as a mesh" {
+  need_data styleblit/golem.obj
+  accept guide scene "$shared_data/styleblit/golem.obj" -s 300x400 -c all --view three-quarter -o golem.exr --format json
+  expect_less triangles 1000 "$(json - r.triangles <<<"$output")"
+  expect_less 'least covered' 12000 "$(json - r.covered <<<"$output")"
+  expect_less 'most covered' "$(json - r.covered <<<"$output")" 108000
+  accept lut golem.exr -s 64 -o lut.exr
+  accept check lut.exr --guide golem.exr --max-mean 10 --min-coverage 0.5
+  accept pack "$exemplars/styles.json" -o bundle
+  stylize_all bundle golem.exr pencil oil
+}
+
+write_styles() { # FILE...
+  local file separator=
+  printf '{"schema": "stylut-bundle/1", "styles": ['
+  for file in "$@"; do
+    printf '%s{"name": "%s", "exemplar": "%s"%s}' "$separator" "$(basename "$file" .png)" "$file" "${guide:+, \"guide\": \"$guide\"}"
+    separator=', '
+  done
+  printf ']}\n'
+}
+
+@test "painted spheres of 486 and 483 pixels" {
+  local name files=()
+  for name in 0 01c 05 10b 15; do files+=("$shared_data/styleblit/$name.png"); done
+  need_data styleblit/{0,01c,05,10b,15,new10,new11,new12}.png
+  write_styles "${files[@]}" >large.json
+  accept pack large.json -o large
+  accept validate large
+  files=()
+  for name in new10 new11 new12; do files+=("$shared_data/styleblit/$name.png"); done
+  write_styles "${files[@]}" >small.json
+  accept pack small.json -o small
+  accept validate small
+  accept guide scene "$exemplars/creature.ply" -s 300 -o frame.exr
+  stylize_all large frame.exr 10b
+  stylize_all small frame.exr new12
+  # Both sizes in one bundle are refused with both.
+  write_styles "$shared_data/styleblit/15.png" "$shared_data/styleblit/new10.png" >mixed.json
+  refuse 3 486x486 pack mixed.json -o mixed
+  refuse 3 483x483 pack mixed.json -o mixed
+}
+
+@test "sources painted over a guide of their own" {
+  need_data unity-plugin/{source_1,source_2,source_3,source_4,s_normals}.png frames/golem.001.png
+  local data=$shared_data/unity-plugin guide=$shared_data/unity-plugin/s_normals.png
+  write_styles "$data"/source_{1,2,3,4}.png >unity.json
+  accept pack unity.json -o bundle
+  accept validate bundle
+  accept lut "$guide" -s 256 --sampling unorm8 -o lut.exr --format json
+  expect_less 'distinct values' 1000 "$(json - r.unique <<<"$output")"
+  accept check lut.exr --guide "$guide" --max-mean 5
+  stylize_all bundle "$shared_data/frames/golem.001.png" source_1 source_4
+}
+
+@test "frames of a turning golem" {
+  need_data frames/golem.{001,002,045}.png styleblit/05.png
+  write_styles "$shared_data/styleblit/05.png" >manifest.json
+  accept pack manifest.json -o bundle
+  local frame
+  for frame in 001 002 045; do stylize_all bundle "$shared_data/frames/golem.$frame.png" 1; done
+  accept lut "$shared_data/frames/golem.001.png" -s 64 -o lut.png
+  accept check lut.png --guide "$shared_data/frames/golem.001.png" --max-mean 10
+}
