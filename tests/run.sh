@@ -12,9 +12,11 @@ log=$build/tests/log
 mkdir -p "$log"
 passed=0 failed=0 skipped=0
 
-# Leaks that aren't ours, each by the library's name.
+# Leaks that aren't ours, each by the library's name; to see that name past
+# frames without pointers the slow unwinder is needed. The image module carries
+# copies of the base, hence the names defined twice.
 export LSAN_OPTIONS=suppressions=$here/leaks.supp:print_suppressions=0
-export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_odr_violation=0}
+export ASAN_OPTIONS=detect_odr_violation=0:fast_unwind_on_malloc=0
 export UBSAN_OPTIONS=print_stacktrace=1
 
 count() { # NAME STATUS LOG

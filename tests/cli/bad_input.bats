@@ -320,7 +320,8 @@ make_empty_guide() {
   accept guide sphere -s 12x10 -o other.exr
   sed 's/guide\.exr/other.exr/' manifest.json >bad.json
   local part
-  for part in other.exr exemplar.png 12x10 8x8 first; do refuse 3 $part pack bad.json -o out.bundle; done
+  for part in other.exr exemplar.png 12x10 8x8 first; do beside refuse 3 $part pack bad.json -o out.bundle; done
+  wait
 }
 
 @test "exemplars of differing sizes: both names, both sizes" {
@@ -332,15 +333,17 @@ make_empty_guide() {
   printf '{"schema": "stylut-bundle/1", "styles": [{"name": "a", "exemplar": "exemplar.png"}, {"name": "b", "exemplar": "%s"}]}' \
     other.png >bad.json
   local part
-  for part in other.png exemplar.png 12x10 8x8; do refuse 3 $part pack bad.json -o out.bundle; done
+  for part in other.png exemplar.png 12x10 8x8; do beside refuse 3 $part pack bad.json -o out.bundle; done
+  wait
 }
 
 @test "a table for another guide" {
   bring_all
   accept guide sphere -s 9 -o other.exr
   swap 3 guide.exr other.exr check lut.exr --guide guide.exr
-  refuse 3 9x9 check lut.exr --guide other.exr
-  refuse 3 8x8 check lut.exr --guide other.exr
+  beside refuse 3 9x9 check lut.exr --guide other.exr
+  beside refuse 3 8x8 check lut.exr --guide other.exr
+  wait
 }
 
 # ---- outputs ----
@@ -428,10 +431,11 @@ put_output() { # FOLDER COMMAND...
   bring_all
   local ending
   for ending in jpg exr.gz ''; do
-    refuse 1 "out.$ending" guide sphere -s 8 -o "out.$ending"
-    refuse 1 "out.$ending" lut guide.exr -s 8 -o "out.$ending"
-    refuse 1 "out.$ending" stylize bundle --guide guide.exr -o "out.$ending"
+    beside refuse 1 "out.$ending" guide sphere -s 8 -o "out.$ending"
+    beside refuse 1 "out.$ending" lut guide.exr -s 8 -o "out.$ending"
+    beside refuse 1 "out.$ending" stylize bundle --guide guide.exr -o "out.$ending"
   done
+  wait
 }
 
 # ---- full disks ----
@@ -484,18 +488,19 @@ fill_disk() {
 
 @test "a full disk behind stdout" {
   bring_all
-  full_stdout guide sphere -s 8 -o out.exr
-  full_stdout lut guide.exr -s 8 -o out.exr
-  full_stdout check lut.exr --guide guide.exr
-  full_stdout pack manifest.json -o out.bundle
-  full_stdout stylize bundle --guide guide.exr -o out.png
-  full_stdout info guide.exr
-  full_stdout info bundle
-  full_stdout validate bundle
-  full_stdout guide sphere -s 8 -o out.exr --dry-run
-  full_stdout --help
-  full_stdout --version
-  full_stdout guide --help
+  beside full_stdout guide sphere -s 8 -o out.exr
+  beside full_stdout lut guide.exr -s 8 -o out.exr
+  beside full_stdout check lut.exr --guide guide.exr
+  beside full_stdout pack manifest.json -o out.bundle
+  beside full_stdout stylize bundle --guide guide.exr -o out.png
+  beside full_stdout info guide.exr
+  beside full_stdout info bundle
+  beside full_stdout validate bundle
+  beside full_stdout guide sphere -s 8 -o out.exr --dry-run
+  beside full_stdout --help
+  beside full_stdout --version
+  beside full_stdout guide --help
+  wait
 }
 full_stdout() {
   local said status format formats=(text json)
@@ -641,7 +646,7 @@ stylize bundle --guide guide.exr -o out.png
 info guide.exr
 validate bundle
 EOF
-  for command in guide lut check pack stylize info validate; do refuse 1 $command $command; done
+  for command in guide lut check pack stylize info validate; do refuse 1 expected $command; done
   refuse 1 --output guide sphere
   refuse 1 mesh guide scene -o out.exr
   refuse 1 --output lut guide.exr
@@ -830,10 +835,11 @@ list_styles() { # COUNT
   for ending in exr png; do
     accept lut nine.exr -s 16 -o nine.lut.$ending
     sed "s/lut\.exr/nine.lut.$ending/" good.json >bad.json
-    refuse 3 nine.lut.$ending pack bad.json -o out.bundle
-    refuse 3 9x9 pack bad.json -o out.bundle
-    refuse 3 8x8 pack bad.json -o out.bundle
+    beside refuse 3 nine.lut.$ending pack bad.json -o out.bundle
+    beside refuse 3 9x9 pack bad.json -o out.bundle
+    beside refuse 3 8x8 pack bad.json -o out.bundle
   done
+  wait
   accept guide sphere -s 255x256 -o odd.png
   sed 's/jitter\.png/odd.png/' manifest.json >bad.json
   refuse 3 odd.png pack bad.json -o out.bundle
@@ -846,7 +852,8 @@ list_styles() { # COUNT
   prove pack good.json -o out.bundle
   sed 's/16}}\]/17}}]/' good.json >bad.json
   local part
-  for part in 16 17 "'a'" "'b'"; do refuse 3 "$part" pack bad.json -o out.bundle; done
+  for part in 16 17 "'a'" "'b'"; do beside refuse 3 "$part" pack bad.json -o out.bundle; done
+  wait
 }
 
 # ---- damaged bundles ----
@@ -908,9 +915,7 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
 @test "bundles: one byte changed in the index" {
   bring_all
   local offset
-  # Where an index can't hide a change: its frame, its schema, and what it says of the files.
-  for offset in 0 $(grep -obaE '"(files|bytes|sha256|schema)"|[0-9a-f]{64}"|[0-9]+,|stylut-bundle-index|\.ktx2' bundle/bundle.json |
-    awk -F: -v end="$(grep -ob '"schema"' bundle/bundle.json | cut -d: -f1)" '$1 <= end { print $1 + 1 }') $(($(stat -c %s bundle/bundle.json) - 2)); do
+  for offset in $(seq 0 23 $(($(stat -c %s bundle/bundle.json) - 3))); do
     rm -rf bad
     cp -r bundle bad
     flip bad/bundle.json "$offset"

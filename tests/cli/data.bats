@@ -2,24 +2,24 @@
 # Painters' files, where they are at hand: everything passes, with plausible figures.
 load helpers
 
-# stylize_all BUNDLE FRAME STYLE...: no covered pixel stays without a picture.
+# stylize_all BUNDLE FRAME STYLE...: every covered pixel has a source. A few may
+# stay clear: exemplars have a soft edge, and alpha is the exemplar's.
 stylize_all() {
-  local bundle=$1 frame=$2 style
+  local bundle=$1 frame=$2 style covered
   shift 2
   for style in "$@"; do
     accept stylize "$bundle" --guide "$frame" --style "$style" --nnf nnf.png -o out.png --format json || return 1
-    expect_less "share without a chunk, $style on $frame" "$(json - r.fallback <<<"$output")" 0.25
-    expect_less "covered pixels of $frame" 1000 "$(json - r.covered <<<"$output")"
-    local covered
     covered=$(json - r.covered <<<"$output")
+    fallback=$(json - r.fallback <<<"$output")
+    expect_less "covered pixels of $frame" 1000 "$covered"
     expect "pixels in the field of $style on $frame" "$(count_above nnf.png A)" "$covered"
-    expect "pixels of $style on $frame" "$(count_above out.png A)" "$covered"
+    expect_less "share of clear pixels of $style on $frame" "$(awk -v n="$(count_above out.png A)" -v c="$covered" 'BEGIN { print 1 - n / c }')" 0.005
   done
 }
+few_fallbacks() { expect_less 'share without a chunk' "$fallback" "${1:-0.1}"; }
+
 # Pixels of a picture whose channel isn't 0.
-count_above() {
-  oiiotool --no-autopremult "$1" --ch "$2" --chnames Y --rangecheck 0,0 -o /dev/null.png 2>/dev/null | sed -nE 's/^ *([0-9]+) > .*/\1/p'
-}
+count_above() { dump "$1" "$2" 65535 | awk '$3 > 0' | wc -l; }
 
 @test "the golem as a mesh" {
   need_data styleblit/golem.obj
@@ -31,6 +31,7 @@ count_above() {
   accept check lut.exr --guide golem.exr --max-mean 10 --min-coverage 0.5
   accept pack "$exemplars/styles.json" -o bundle
   stylize_all bundle golem.exr pencil oil
+  few_fallbacks
 }
 
 write_styles() { # FILE...
@@ -58,6 +59,7 @@ write_styles() { # FILE...
   accept guide scene "$exemplars/creature.ply" -s 300 -o frame.exr
   stylize_all large frame.exr 10b
   stylize_all small frame.exr new12
+  few_fallbacks
   # Both sizes in one bundle are refused with both.
   write_styles "$shared_data/styleblit/15.png" "$shared_data/styleblit/new10.png" >mixed.json
   refuse 3 486x486 pack mixed.json -o mixed
@@ -73,7 +75,11 @@ write_styles() { # FILE...
   accept lut "$guide" -s 256 --sampling unorm8 -o lut.exr --format json
   expect_less 'distinct values' 1000 "$(json - r.unique <<<"$output")"
   accept check lut.exr --guide "$guide" --max-mean 5
-  stylize_all bundle "$shared_data/frames/golem.001.png" source_1 source_4
+  stylize_all bundle "$guide" source_1 source_4
+  few_fallbacks
+  # Their guide's z points away from the viewer, the golem's toward it: hardly
+  # any chunk fits, but every pixel is served.
+  stylize_all bundle "$shared_data/frames/golem.001.png" source_1
 }
 
 @test "frames of a turning golem" {
@@ -81,7 +87,9 @@ write_styles() { # FILE...
   write_styles "$shared_data/styleblit/05.png" >manifest.json
   accept pack manifest.json -o bundle
   local frame
-  for frame in 001 002 045; do stylize_all bundle "$shared_data/frames/golem.$frame.png" 1; done
+  for frame in 001 002 045; do beside serve_golem $frame; done
   accept lut "$shared_data/frames/golem.001.png" -s 64 -o lut.png
   accept check lut.png --guide "$shared_data/frames/golem.001.png" --max-mean 10
+  wait
 }
+serve_golem() { stylize_all bundle "$shared_data/frames/golem.$1.png" 1 && few_fallbacks; }

@@ -26,6 +26,24 @@ check_sphere() { # FILE WIDTH HEIGHT
   check_sphere wide.exr 25 16
 }
 
+# What oiiotool finds at a pixel, all channels in its own order.
+ask_oiiotool() { oiiotool --no-autopremult "$1" --cut "1x1+$2+$3" -d float -o cut.exr && oiiotool --dumpdata cut.exr | sed -n 's/^ *Pixel (0, 0): //p'; }
+
+@test "another reader sees the same values" {
+  accept guide sphere -s 24 -o s.exr
+  local place
+  for place in '3 7' '12 12' '0 0'; do
+    # shellcheck disable=SC2086
+    expect "pixel $place" "$(ask_oiiotool s.exr $place)" "$(dump s.exr A,depth.Z,normal.X,normal.Y,normal.Z | sed -n "s/^$place //p")"
+  done
+  accept guide sphere -s 24 --bits 16 -o s.png
+  for place in '3 7' '20 5' '0 0'; do
+    # EXR files list their channels R G B A.
+    # shellcheck disable=SC2086
+    expect_near "pixel $place" "$(ask_oiiotool s.png $place)" "$(dump s.png R,G,B,A | sed -n "s/^$place //p")" 1e-6
+  done
+}
+
 @test "sphere: channels are those asked for" {
   accept guide sphere -s 8 -c normal -o normal.exr
   accept guide sphere -s 8 -o default.exr
@@ -54,24 +72,28 @@ check_sphere() { # FILE WIDTH HEIGHT
   expect 'default size' "$(json - 'r.size' <<<"$output")" '[512,512]'
 }
 
+check_png() { # BITS
+  local bits=$1 top
+  top=$(((1 << bits) - 1))
+  accept guide sphere -s 17x20 --bits "$bits" -o map.png
+  accept info map.png --format json
+  expect bits "$(json - r.bits <<<"$output")" "$bits"
+  dump map.png R,G,B,A $top | awk -v w=17 -v h=20 -v top=$top '
+    function off(a, n) { d = a - (n / 2 + 0.5) * top; return d > 0.501 || d < -0.501 }
+    {
+      x = ($1 + 0.5) / w * 2 - 1; y = 1 - ($2 + 0.5) / h * 2; r = x * x + y * y
+      if (r > 1) bad = $3 || $4 || $5 || $6
+      else bad = off($3, x) || off($4, y) || off($5, sqrt(1 - r)) || $6 != top
+      if (bad) { print; exit }
+    }
+    END { if (NR != w * h) print NR " pixels" }' >wrong.txt
+  expect "wrong pixels of $bits bits" "$(cat wrong.txt)" ''
+}
+
 @test "sphere: PNG in 8 and 16 bits" {
-  local bits top
-  for bits in 8 16; do
-    top=$(((1 << bits) - 1))
-    accept guide sphere -s 17x20 --bits $bits -o map.png
-    accept info map.png --format json
-    expect bits "$(json - r.bits <<<"$output")" $bits
-    dump map.png R,G,B,A $top | awk -v w=17 -v h=20 -v top=$top '
-      function off(a, n) { d = a - (n / 2 + 0.5) * top; return d > 0.501 || d < -0.501 }
-      {
-        x = ($1 + 0.5) / w * 2 - 1; y = 1 - ($2 + 0.5) / h * 2; r = x * x + y * y
-        if (r > 1) bad = $3 || $4 || $5 || $6
-        else bad = off($3, x) || off($4, y) || off($5, sqrt(1 - r)) || $6 != top
-        if (bad) { print; exit }
-      }
-      END { if (NR != w * h) print NR " pixels" }' >wrong.txt
-    expect "wrong pixels of $bits bits" "$(cat wrong.txt)" ''
-  done
+  beside check_png 8
+  beside check_png 16
+  wait
   accept guide sphere -s 8 -o eight.png
   accept guide sphere -s 8 --bits 8 -o also.png --no-history
   accept guide sphere -s 8 -o plain.png --no-history
@@ -91,22 +113,23 @@ check_scene() { # FILE [LEAST-NORMAL.Z]
     }' pixels.txt >wrong.txt || complain "$1: $(cat wrong.txt)"
 }
 
+check_creature() { # VIEW CAMERA NAME [LEAST-NORMAL.Z]
+  local covered
+  accept guide scene "$exemplars/creature.ply" -s 96x80 -c all --view="$1" --camera "$2" -o c.exr --format json
+  covered=$(json - r.covered <<<"$output")
+  check_scene c.exr "${4:-}"
+  expect 'covered pixels' "$covered" "$(awk '$3 == 1' pixels.txt | wc -l)"
+  expect_less 'share covered' 0.05 "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')"
+  expect_less 'share covered' "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')" 0.8
+  cp pixels.txt "$BATS_TEST_TMPDIR/work/$3.txt"
+}
+
 @test "scene: the creature from all sides, orthographic and in perspective" {
-  local view camera covered
-  for camera in orthographic perspective; do
-    for view in front three-quarter 90,0 -120,-35.5 0,90; do
-      [[ $camera = orthographic || $view = three-quarter || $view = 0,90 ]] || continue
-      accept guide scene "$exemplars/creature.ply" -s 96x80 -c all --view=$view --camera $camera -o c.exr --format json
-      covered=$(json - r.covered <<<"$output")
-      check_scene c.exr $([ $camera = orthographic ] || echo -0.5)
-      expect 'covered pixels' "$covered" "$(awk '$3 == 1' pixels.txt | wc -l)"
-      expect_less 'share covered' 0.05 "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')"
-      expect_less 'share covered' "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')" 0.8
-      # Views differ from each other.
-      [ ! -e before.txt ] || expect_other before.txt pixels.txt
-      cp pixels.txt before.txt
-    done
-  done
+  local view
+  for view in front three-quarter 90,0 -120,-35.5 0,90; do beside check_creature $view orthographic "$view"; done
+  for view in three-quarter 0,90; do beside check_creature $view perspective "$view.p" -0.5; done
+  wait
+  expect 'distinct views' "$(sha256sum ./*.txt | cut -d' ' -f1 | sort -u | wc -l)" 7
   accept guide scene "$exemplars/creature.ply" -s 64 --view three-quarter --no-history -o a.exr
   accept guide scene "$exemplars/creature.ply" -s 64 --view 35,20 --no-history -o b.exr
   expect_same a.exr b.exr
@@ -161,17 +184,20 @@ get_margins() { dump "$1" A | awk -v w="$2" -v h="$3" '$3 == 1 {
   if (l == "" || $1 < l) l = $1; if ($1 > r) r = $1; if (t == "" || $2 < t) t = $2; if ($2 > b) b = $2 }
   END { print l, t, w - 1 - r, h - 1 - b }'; }
 
+check_margins() { # CAMERA MARGIN REGEX
+  accept guide scene cube.obj -s 60x40 ${2:+--margin $2} --camera "$1" -o m.exr
+  expect_match "$1, margin '$2'" "$(get_margins m.exr 60 40)" "$3"
+}
+
 @test "scene: margins" {
   write_cube >cube.obj
-  local margin camera
+  local camera
   for camera in orthographic perspective; do
-    accept guide scene cube.obj -s 60x40 --margin 0 --camera $camera -o m.exr
-    expect_match "$camera, no margin" "$(get_margins m.exr 60 40)" '^(9|1[0-2]) 0 (9|1[0-2]) 0$'
-    accept guide scene cube.obj -s 60x40 --margin 0.25 --camera $camera -o m.exr
-    expect_match "$camera, a quarter" "$(get_margins m.exr 60 40)" '^(19|20|21) (9|10) (19|20|21) (9|10)$'
+    beside check_margins $camera 0 '^(9|1[0-2]) 0 (9|1[0-2]) 0$'
+    beside check_margins $camera 0.25 '^(19|20|21) (9|10) (19|20|21) (9|10)$'
   done
-  accept guide scene cube.obj -s 60x40 -o m.exr
-  expect 'default margin' "$(get_margins m.exr 60 40)" '12 2 12 2'
+  beside check_margins orthographic '' '^12 2 12 2$'
+  wait
 }
 
 @test "scene: a mirrored mesh gives the mirrored guide" {
@@ -189,18 +215,24 @@ get_margins() { dump "$1" A | awk -v w="$2" -v h="$3" '$3 == 1 {
   }
   write_sheet 1 >right.obj
   write_sheet -1 >left.obj
-  local angle=-25
-  for options in '--view 25,10' '--view 25,10 --camera perspective' '--flat --view 25,10'; do
-    # shellcheck disable=SC2086
-    accept guide scene right.obj -s 61x50 -c all $options -o right.exr
-    # shellcheck disable=SC2086
-    accept guide scene left.obj -s 61x50 -c all ${options/25,10/$angle,10} -o left.exr
-    dump right.exr $sphere_channels | awk '{ $1 = 60 - $1; $4 = 0 - $4; $8 = 0 - $8; print }' | sort -k2,2n -k1,1n >a.txt
-    dump left.exr $sphere_channels | sort -k2,2n -k1,1n >b.txt
-    expect 'covered' "$(awk '$3 == 1' a.txt | wc -l)" "$(awk '$3 == 1' b.txt | wc -l)"
-    paste -d' ' a.txt b.txt | awk '{ for (k = 1; k <= 11; k++) { d = $k - $(k + 11); if ($k != $(k + 11) && (d > 1e-5 || d < -1e-5 || d != d)) { print; exit } } }' >wrong.txt
-    expect "mirrored with $options" "$(cat wrong.txt)" ''
-  done
+  beside check_mirrored '--view 25,10'
+  beside check_mirrored '--view 25,10 --camera perspective'
+  beside check_mirrored '--flat --view 25,10'
+  wait
+}
+
+check_mirrored() { # OPTIONS
+  local options=$1 angle=-25
+  # shellcheck disable=SC2086
+  accept guide scene right.obj -s 61x50 -c all $options -o right.exr
+  # shellcheck disable=SC2086
+  accept guide scene left.obj -s 61x50 -c all ${options/25,10/$angle,10} -o left.exr
+  dump right.exr $sphere_channels | awk '{ $1 = 60 - $1; $4 = 0 - $4; $8 = 0 - $8; print }' | sort -k2,2n -k1,1n >a.txt
+  dump left.exr $sphere_channels | sort -k2,2n -k1,1n >b.txt
+  expect_less 'covered' 500 "$(awk '$3 == 1' a.txt | wc -l)"
+  expect 'pixels' "$(wc -l <b.txt)" 3050
+  paste -d' ' a.txt b.txt | awk '{ for (k = 1; k <= 11; k++) { d = $k - $(k + 11); if ($k != $(k + 11) && (d > 1e-5 || d < -1e-5 || d != d)) { print; exit } } }' >wrong.txt
+  expect "mirrored with $options" "$(cat wrong.txt)" ''
 }
 
 @test "scene: the same shape in OBJ, PLY, OFF and STL gives the same guide" {
@@ -253,18 +285,21 @@ get_margins() { dump "$1" A | awk -v w="$2" -v h="$3" '$3 == 1 {
 
 @test "history: version, command and input hashes, unless --no-history" {
   cp "$exemplars/creature.ply" mesh.ply
-  local version ending
+  beside check_history exr
+  beside check_history png
+  wait
+}
+check_history() { # ENDING
+  local version ending=$1
   version=$("$STYLUT" --version | sed -n '1s/stylut //p')
-  for ending in exr png; do
-    accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending
-    accept info c.$ending --format json
-    expect version "$(json - 'r.attributes["stylut:version"]' <<<"$output")" "$version"
-    expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum mesh.ply | cut -d' ' -f1)"
-    expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide --view=30,10 --size=16 scene mesh.ply'
-    accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending --no-history
-    accept info c.$ending --format json
-    expect attributes "$(json - 'Object.keys(r.attributes).length' <<<"$output")" 0
-  done
+  accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending
+  accept info c.$ending --format json
+  expect version "$(json - 'r.attributes["stylut:version"]' <<<"$output")" "$version"
+  expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum mesh.ply | cut -d' ' -f1)"
+  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide --view=30,10 --size=16 scene mesh.ply'
+  accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending --no-history
+  accept info c.$ending --format json
+  expect attributes "$(json - 'Object.keys(r.attributes).length' <<<"$output")" 0
 }
 
 @test "an output replaces an older file, and gets the permissions of any new file" {

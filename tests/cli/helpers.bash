@@ -63,11 +63,11 @@ bring() {
 
 # accept COMMAND...: passes and says nothing on stderr. Its stdout becomes $output.
 accept() {
-  local status=0 said=$BATS_TEST_TMPDIR/stderr
+  local status=0 said=$BATS_TEST_TMPDIR/stderr.$BASHPID
   # shellcheck disable=SC2034 # for the tests
   output=$("$STYLUT" "$@" 2>"$said") || status=$?
   [ $status = 0 ] && [ ! -s "$said" ] && return 0
-  printf "'stylut %s': exit %s, stderr '%s', expected to pass in silence\n" "$*" "$status" "$(cat "$said")"
+  complain "'stylut $*': exit $status, stderr '$(cat "$said")', expected to pass in silence"
   return 1
 }
 
@@ -141,20 +141,91 @@ small_disk() {
 # json FILE EXPRESSION: a value of a JSON file, called r; '-' is stdin.
 json() { node -p 'const r = JSON.parse(require("fs").readFileSync(process.argv[1] === "-" ? 0 : process.argv[1])); let v = eval(process.argv[2]); typeof v === "object" ? JSON.stringify(v) : v' "$1" "$2"; }
 
-# dump FILE CHANNELS [SCALE]: a line 'x y value...' per pixel; with SCALE (255, 65535)
-# the integers of the file.
-dump() {
-  local copy
-  copy=$(mktemp --suffix=.exr -p "$BATS_TEST_TMPDIR") # several may run at once
-  oiiotool --no-autopremult "$1" --ch "$2" --chnames c0,c1,c2,c3,c4,c5,c6,c7,c8,c9 -d float -o "$copy"
-  oiiotool --dumpdata "$copy" | sed -nE 's/^ *Pixel \(([0-9]+), ([0-9]+)\): (.*)/\1 \2 \3/p' |
-    if [ -n "${3:-}" ]; then
-      awk -v s="$3" '{ printf "%s %s", $1, $2; for (i = 3; i <= NF; i++) printf " %d", $i * s + 0.5; print "" }'
-    else
-      cat
-    fi
-  rm "$copy"
+# dump FILE CHANNELS [SCALE]: a line 'x y value...' per pixel of an EXR or PNG file,
+# read without stylut's or anybody's image library; with SCALE (255, 65535) the
+# integers of the file.
+dump() { node -e "$pixel_reader" "$@"; }
+# shellcheck disable=SC2016 # it is JavaScript
+pixel_reader='
+const { readFileSync } = require("fs"), { inflateSync } = require("zlib")
+const [file, wanted, scale] = process.argv.slice(1), bytes = readFileSync(file)
+const image = bytes.readUInt32LE(0) === 20000630 ? readExr(bytes) : readPng(bytes)
+const planes = wanted.split(",").map(name => {
+  if (!image.planes[name]) throw new Error(`${file} has no channel ${name}`)
+  return image.planes[name]
+})
+const show = v => scale ? Math.floor(v * scale + 0.5) : Number.isFinite(v) ? v.toFixed(9) : v > 0 ? "inf" : v < 0 ? "-inf" : "nan"
+const lines = []
+for (let y = 0, i = 0; y < image.height; y++)
+  for (let x = 0; x < image.width; x++, i++) lines.push(`${x} ${y} ${planes.map(p => show(p[i])).join(" ")}`)
+process.stdout.write(lines.join("\n") + "\n")
+
+function readPng(b) {
+  const width = b.readUInt32BE(16), height = b.readUInt32BE(20), depth = b[24], count = { 0: 1, 2: 3, 4: 2, 6: 4 }[b[25]]
+  if (b[28]) throw new Error("interlaced")
+  const parts = []
+  for (let at = 8; at < b.length; at += 12 + b.readUInt32BE(at))
+    if (b.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(b.subarray(at + 8, at + 8 + b.readUInt32BE(at)))
+  const data = inflateSync(Buffer.concat(parts)), step = count * depth / 8, row = width * step
+  let above = Buffer.alloc(row)
+  const names = [, ["Y"], ["Y", "A"], ["R", "G", "B"], ["R", "G", "B", "A"]][count], planes = {}
+  for (const name of names) planes[name] = new Float64Array(width * height)
+  for (let y = 0; y < height; y++) {
+    const filter = data[y * (row + 1)], line = data.subarray(y * (row + 1) + 1, (y + 1) * (row + 1))
+    for (let i = 0; i < row; i++) {
+      const a = i >= step ? line[i - step] : 0, c = i >= step ? above[i - step] : 0, p = a + above[i] - c
+      const da = Math.abs(p - a), db = Math.abs(p - above[i]), dc = Math.abs(p - c)
+      line[i] += [0, a, above[i], a + above[i] >> 1, da <= db && da <= dc ? a : db <= dc ? above[i] : c][filter]
+    }
+    for (let x = 0; x < width; x++)
+      names.forEach((name, k) => planes[name][y * width + x] = depth === 8 ? line[x * step + k] / 255 : line.readUInt16BE(x * step + 2 * k) / 65535)
+    above = line
+  }
+  return { width, height, planes }
 }
+
+function readExr(b) {
+  let at = 8
+  const text = () => { const from = at; while (b[at]) at++; return b.toString("latin1", from, at++) }
+  const header = {}
+  while (b[at]) {
+    const name = text(), type = text(), size = b.readInt32LE(at)
+    header[name] = { at: at + 4, size }
+    at += 4 + size
+  }
+  at++
+  const box = [0, 4, 8, 12].map(o => b.readInt32LE(header.dataWindow.at + o)), compression = b[header.compression.at]
+  const rows = { 0: 1, 2: 1, 3: 16 }[compression], channels = [], planes = {}
+  const width = box[2] - box[0] + 1, height = box[3] - box[1] + 1, chunks = Math.ceil(height / rows), table = at
+  for (at = header.channels.at; b[at];) {
+    const name = text(), half = b.readInt32LE(at) === 1
+    channels.push({ name, half })
+    planes[name] = new Float64Array(width * height)
+    at += 16
+  }
+  const line = channels.reduce((sum, c) => sum + width * (c.half ? 2 : 4), 0)
+  for (let k = 0; k < chunks; k++) {
+    const from = Number(b.readBigUInt64LE(table + 8 * k)), top = b.readInt32LE(from) - box[1], size = b.readInt32LE(from + 4)
+    const lines = Math.min(rows, height - top)
+    let data = b.subarray(from + 8, from + 8 + size)
+    if (size < line * lines) {
+      const packed = inflateSync(data), middle = packed.length + 1 >> 1
+      for (let i = 1; i < packed.length; i++) packed[i] += packed[i - 1] - 128
+      data = Buffer.alloc(packed.length)
+      for (let i = 0; i < packed.length; i++) data[i] = packed[i % 2 ? middle + (i >> 1) : i >> 1]
+    }
+    for (let y = top, i = 0; y < top + lines; y++)
+      for (const c of channels)
+        for (let x = 0; x < width; x++, i += c.half ? 2 : 4) planes[c.name][y * width + x] = c.half ? readHalf(data.readUInt16LE(i)) : data.readFloatLE(i)
+  }
+  return { width, height, planes }
+}
+
+function readHalf(h) {
+  const e = h >> 10 & 31, m = h & 1023, s = h >> 15 ? -1 : 1
+  return e === 31 ? (m ? NaN : s * Infinity) : s * (e ? 2 ** (e - 15) * (1 + m / 1024) : 2 ** -14 * m / 1024)
+}
+'
 
 # expect_near WHAT 'FOUND...' 'EXPECTED...' TOLERANCE: lists of numbers
 expect_near() {
