@@ -2,7 +2,6 @@
 #include "stylut/guide.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #include "commands.h"
 #include "options.h"
@@ -90,6 +89,17 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
   }
 }
 
+static StyStatus check_output(Arguments *arguments) {
+  StyImageFormat format = STY_IMAGE_EXR;
+  StyStatus status = require_output(&arguments->options);
+  if (!status) status = sty_get_image_format(arguments->options.output, &format, &arguments->options.error);
+  if (!status && format == STY_IMAGE_PNG && !(arguments->groups & STY_GUIDE_NORMAL))
+    status = sty_fail(&arguments->options.error, STY_ERROR_USAGE,
+                      "option '--channels': found no normal, expected it for %s, which holds normals only",
+                      arguments->options.output);
+  return status;
+}
+
 static StyStatus check_arguments(Arguments *arguments) {
   static const char *const kinds[] = {"sphere", "scene", NULL};
   StyError *error = &arguments->options.error;
@@ -107,7 +117,7 @@ static StyStatus check_arguments(Arguments *arguments) {
   if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
     return sty_fail(error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", arguments->width,
                     arguments->height, STY_MAX_PIXELS);
-  return require_output(&arguments->options);
+  return check_output(arguments);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -176,10 +186,11 @@ static StyStatus render(Arguments *arguments, Account *account, StyImage **out) 
 
 static StyStatus write_guide(Arguments *arguments, StyImage *guide) {
   Options *options = &arguments->options;
-  const size_t length = strlen(options->output);
-  const bool png = length > 4 && strcmp(options->output + length - 4, ".png") == 0;
+  StyImageFormat format = STY_IMAGE_EXR;
+  StyStatus status = sty_get_image_format(options->output, &format, &options->error);
+  const bool png = format == STY_IMAGE_PNG;
   StyImage *encoded = NULL;
-  StyStatus status = png ? sty_encode_normals(guide, arguments->bits, &encoded, &options->error) : STY_OK;
+  if (!status && png) status = sty_encode_normals(guide, arguments->bits, &encoded, &options->error);
   StyImage *image = png ? encoded : guide;
   if (!status)
     status = add_history(options, "guide", image, &arguments->mesh, arguments->mesh ? 1 : 0, &options->error);

@@ -32,18 +32,15 @@ static const struct argp_option options_table[] = {
     {0},
 };
 
-static bool ends_in_exr(const char *path) {
-  const size_t length = strlen(path);
-  return length > 4 && strcmp(path + length - 4, ".exr") == 0;
-}
-
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
   if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
   if (!status) status = require_output(&arguments->options);
+  StyImageFormat format = STY_IMAGE_EXR;
+  if (!status) status = sty_get_image_format(arguments->options.output, &format, error);
   if (status) return status;
-  const bool exr = ends_in_exr(arguments->options.output);
+  const bool exr = format == STY_IMAGE_EXR;
   if (arguments->encoding < 0) arguments->encoding = exr ? STY_ENCODE_F32 : STY_ENCODE_RG16;
   if (exr != (arguments->encoding == STY_ENCODE_F32))
     return sty_fail(error, STY_ERROR_USAGE,

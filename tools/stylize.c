@@ -29,13 +29,30 @@ static const struct argp_option options_table[] = {
     {0},
 };
 
+/* A picture's name must end in .png and be no other output's. */
+static StyStatus check_picture(const char *option, const char *path, const char *const *others, StyError *error) {
+  StyImageFormat format;
+  if (sty_get_image_format(path, &format, NULL) || format != STY_IMAGE_PNG)
+    return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected a name that ends in .png", option, path);
+  for (int i = 0; i < 3; i++)
+    if (others[i] && others[i] != path && strcmp(others[i], path) == 0)
+      return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s' twice, expected a name of its own", option,
+                      path);
+  return STY_OK;
+}
+
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
-  const StyStatus status = require_argument(&arguments->options, arguments->bundle, "the bundle's folder");
+  StyStatus status = require_argument(&arguments->options, arguments->bundle, "the bundle's folder");
+  if (!status && !arguments->guide)
+    status = sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
+  if (!status) status = require_output(&arguments->options);
   if (status) return status;
-  if (!arguments->guide)
-    return sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
-  return require_output(&arguments->options);
+  static const char *const options[] = {"--output", "--nnf", "--chunks"};
+  const char *const paths[] = {arguments->options.output, arguments->nnf, arguments->chunks};
+  for (int i = 0; !status && i < 3; i++)
+    if (paths[i]) status = check_picture(options[i], paths[i], paths, error);
+  return status;
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -167,8 +184,9 @@ static long count_tiles(const StyFrame *frame) {
 
 /* ---- what is written ---- */
 
-static StyStatus write_rgba(const Arguments *arguments, const char *path, const Work *work, int bits,
-                            float (*get)(const Work *work, size_t pixel, int channel), StyError *error) {
+static StyStatus prepare_rgba(const Arguments *arguments, const char *path, const Work *work, int bits,
+                              float (*get)(const Work *work, size_t pixel, int channel), StyOutput *out,
+                              StyError *error) {
   static const char *const names[] = {"R", "G", "B", "A"};
   StyImage *image = NULL;
   StyStatus status = sty_create_image(work->frame.width, work->frame.height, 4, names, bits, &image, error);
@@ -178,7 +196,7 @@ static StyStatus write_rgba(const Arguments *arguments, const char *path, const 
     for (size_t i = 0; i < pixels; i++)
       image->data[(size_t)c * pixels + i] = get(work, i, c) / (bits == 8 ? 255.0f : 65535.0f);
   status = add_history(&arguments->options, "stylize", image, &arguments->guide, 1, error);
-  if (!status) status = sty_write_image(path, image, error);
+  if (!status) status = sty_prepare_image(path, image, out, error);
   sty_destroy_image(&image);
   return status;
 }
@@ -207,10 +225,27 @@ static float get_chunk(const Work *work, size_t pixel, int channel) {
   return (float)(64 + (hash >> 8 * channel & 255) * 3 / 4);
 }
 
+/* All or none: what was asked for appears once everything is written. */
 static StyStatus write_pictures(const Arguments *arguments, const Work *work, StyError *error) {
-  StyStatus status = write_rgba(arguments, arguments->options.output, work, work->bits, get_picture, error);
-  if (!status && arguments->nnf) status = write_rgba(arguments, arguments->nnf, work, 16, get_nnf, error);
-  if (!status && arguments->chunks) status = write_rgba(arguments, arguments->chunks, work, 8, get_chunk, error);
+  StyOutput outputs[3];
+  int count = 0;
+  StyStatus status =
+      prepare_rgba(arguments, arguments->options.output, work, work->bits, get_picture, &outputs[count], error);
+  if (!status) count++;
+  if (!status && arguments->nnf) {
+    status = prepare_rgba(arguments, arguments->nnf, work, 16, get_nnf, &outputs[count], error);
+    if (!status) count++;
+  }
+  if (!status && arguments->chunks) {
+    status = prepare_rgba(arguments, arguments->chunks, work, 8, get_chunk, &outputs[count], error);
+    if (!status) count++;
+  }
+  for (int i = 0; i < count; i++) {
+    if (status)
+      sty_discard_output(&outputs[i]);
+    else
+      status = sty_commit_output(&outputs[i], error);
+  }
   return status;
 }
 

@@ -29,10 +29,11 @@ typedef struct StyAudit {
   size_t feasible;       /* texels */
   size_t background;     /* feasible texels that point at a source pixel that isn't covered (180 degrees each) */
   StyFigures assignment; /* at the values the texels answer for */
-  /* For guide values in between: each texel is asked for 4 x 4 values spread
-   * over its square (2 x 2 in tables beyond 1024), those inside the
-   * disc. A unorm8 table is meant for byte guides, which ask for
-   * nothing in between: its lookup error is its assignment error. */
+  /* For guide values in between: each texel's square is asked for 4 x 4 values
+   * spread over it (2 x 2 in tables beyond 1024), those inside the disc, also
+   * where the texel's own centre is outside. A unorm8 table is meant for byte
+   * guides and is asked for every byte value instead; with 256 texels a side
+   * that is its assignment error. Float guides pay up to half a byte more. */
   StyFigures lookup;
   double tolerance; /* guide units */
   double coverage;  /* share of feasible texels with a source pixel within the tolerance */

@@ -24,8 +24,11 @@ typedef struct StyOutput {
  * STY_ERROR_USAGE for an empty name. */
 StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error);
 
+/* Checks that all that was written so far has arrived (full disk). */
+StyStatus sty_flush_output(StyOutput *output, StyError *error);
+
 /* Flushes, checks every earlier write, and renames into place. On failure
- * (full disk) the temporary is removed. Either way *output is spent. */
+ * the temporary is removed. Either way *output is spent. */
 StyStatus sty_commit_output(StyOutput *output, StyError *error);
 
 /* Removes the temporary; does nothing on a spent or zeroed output. */

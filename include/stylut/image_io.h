@@ -4,6 +4,7 @@
 #ifndef STYLUT_IMAGE_IO_H
 #define STYLUT_IMAGE_IO_H
 
+#include "stylut/file.h"
 #include "stylut/image.h"
 
 #ifdef __cplusplus
@@ -20,6 +21,12 @@ extern "C" {
  * a picture, truncated, absurd size), STY_ERROR_LIBRARY (memory). */
 StyStatus sty_read_image(const char *path, StyImage **out, StyError *error);
 
+typedef enum StyImageFormat { STY_IMAGE_EXR, STY_IMAGE_PNG } StyImageFormat;
+
+/* What an output will be, by its name's ending in either case. STY_ERROR_USAGE
+ * for any but .exr and .png. */
+StyStatus sty_get_image_format(const char *path, StyImageFormat *out, StyError *error);
+
 /* Writes by the name's ending: .exr holds all channels as float with lossless
  * compression; .png holds 1 (grey), 2 (grey, alpha), 3 or 4 channels in their
  * given order with image->bits of 8 or 16, values clamped to 0..1. The
@@ -27,6 +34,10 @@ StyStatus sty_read_image(const char *path, StyImage **out, StyError *error);
  * all, and holds the same bytes whenever it is written. STY_ERROR_USAGE: another
  * ending, or what a PNG can't hold. */
 StyStatus sty_write_image(const char *path, const StyImage *image, StyError *error);
+
+/* All of sty_write_image but the last step, for pictures that should appear
+ * together: sty_commit_output makes this one appear, sty_discard_output doesn't. */
+StyStatus sty_prepare_image(const char *path, const StyImage *image, StyOutput *out, StyError *error);
 
 #ifdef __cplusplus
 }

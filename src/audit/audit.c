@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+enum { BYTES = 256 };
+
 /* Lookups per texel and axis. */
 static int get_samples(const StyLut *lut) { return lut->size <= 1024 ? 4 : 2; }
 
@@ -77,17 +79,32 @@ static StyFigures finish_tally(Tally *tally) {
 
 static bool is_feasible(const float g[2]) { return g[0] * g[0] + g[1] * g[1] <= 1; }
 
-/* Asks for samples x samples values spread over the texel's square. */
-static void add_lookups(Tally *tally, const StyLut *lut, const Guide *guide, int i, int j) {
-  const uint32_t pixel = lut->pixels[(size_t)j * (size_t)lut->size + (size_t)i];
-  const int samples = get_samples(lut);
-  const double step = 2.0 / lut->size;
-  for (int b = 0; b < samples; b++) {
-    for (int a = 0; a < samples; a++) {
-      const float g[2] = {(float)((i + (a + 0.5) / samples) * step - 1), (float)(1 - (j + (b + 0.5) / samples) * step)};
-      if (is_feasible(g)) add_error(tally, measure_error(guide, pixel, g), i, j, g, pixel, lut->source_width);
+/* Adds the error of the texel's answer to the guide value g. */
+static void ask(const StyLut *lut, const Guide *guide, const float g[2], const int texel[2], Tally *tally) {
+  const uint32_t pixel = lut->pixels[(size_t)texel[1] * (size_t)lut->size + (size_t)texel[0]];
+  add_error(tally, measure_error(guide, pixel, g), texel[0], texel[1], g, pixel, lut->source_width);
+}
+
+/* Asks for samples x samples values spread over every texel's square, those on
+ * the rim included whose own centre isn't feasible. */
+static void ask_between_centres(const StyLut *lut, const Guide *guide, Tally *tally) {
+  const int samples = get_samples(lut), asked = lut->size * samples;
+  for (int b = 0; b < asked; b++)
+    for (int a = 0; a < asked; a++) {
+      const float g[2] = {(float)((a + 0.5) * 2 / asked - 1), (float)(1 - (b + 0.5) * 2 / asked)};
+      if (is_feasible(g)) ask(lut, guide, g, (const int[2]){a / samples, b / samples}, tally);
     }
-  }
+}
+
+/* Asks for every byte guide there is. */
+static void ask_for_bytes(const StyLut *lut, const Guide *guide, Tally *tally) {
+  for (int b = 0; b < BYTES; b++)
+    for (int a = 0; a < BYTES; a++) {
+      const float g[2] = {(float)(2 * a - 255) / 255.0f, (float)(255 - 2 * b) / 255.0f};
+      int texel[2];
+      sty_find_texel(lut, g, texel);
+      if (is_feasible(g)) ask(lut, guide, g, texel, tally);
+    }
 }
 
 static size_t count_feasible(const StyLut *lut) {
@@ -101,7 +118,7 @@ static size_t count_feasible(const StyLut *lut) {
   return count;
 }
 
-static void audit_texels(const StyLut *lut, const StyLut *exact, const Guide *guide, Tally *assignment, Tally *lookup,
+static void audit_texels(const StyLut *lut, const StyLut *exact, const Guide *guide, Tally *assignment,
                          StyAudit *audit) {
   size_t covered = 0;
   for (int j = 0; j < lut->size; j++)
@@ -110,11 +127,9 @@ static void audit_texels(const StyLut *lut, const StyLut *exact, const Guide *gu
       float g[2];
       sty_get_texel_value(lut, i, j, g);
       if (!is_feasible(g)) continue;
-      const uint32_t pixel = lut->pixels[texel];
-      audit->background += !(guide->covered[pixel] > 0);
+      audit->background += !(guide->covered[lut->pixels[texel]] > 0);
       covered += exact->errors[texel] <= audit->tolerance;
-      add_error(assignment, measure_error(guide, pixel, g), i, j, g, pixel, lut->source_width);
-      if (lut->sampling == STY_SAMPLE_CENTRE) add_lookups(lookup, lut, guide, i, j);
+      ask(lut, guide, g, (const int[2]){i, j}, assignment);
     }
   audit->coverage = (double)covered / (double)audit->feasible;
 }
@@ -139,16 +154,21 @@ StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *
   if (audit.feasible == 0)
     return sty_fail(error, STY_ERROR_INPUT, "found no feasible texel in a LUT of size %d, expected size 3 or more",
                     lut->size);
-  const size_t lookups = audit.feasible * (size_t)(get_samples(lut) * get_samples(lut));
+  const bool bytes = lut->sampling == STY_SAMPLE_UNORM8;
+  const size_t side = bytes ? BYTES : (size_t)(lut->size * get_samples(lut));
   Tally assignment = {.errors = malloc(audit.feasible * sizeof(double))};
-  Tally lookup = {.errors = lut->sampling == STY_SAMPLE_CENTRE ? malloc(lookups * sizeof(double)) : NULL};
+  Tally lookup = {.errors = malloc(side * side * sizeof(double))};
   StyStatus status = STY_OK;
-  if (!assignment.errors || (lut->sampling == STY_SAMPLE_CENTRE && !lookup.errors)) {
-    status = sty_fail_memory(error, "audit", (double)lookups * sizeof(double));
+  if (!assignment.errors || !lookup.errors) {
+    status = sty_fail_memory(error, "audit", (double)(side * side) * sizeof(double));
   } else {
-    audit_texels(lut, exact, &planes, &assignment, &lookup, &audit);
+    audit_texels(lut, exact, &planes, &assignment, &audit);
+    if (bytes)
+      ask_for_bytes(lut, &planes, &lookup);
+    else
+      ask_between_centres(lut, &planes, &lookup);
     audit.assignment = finish_tally(&assignment);
-    audit.lookup = lookup.count ? finish_tally(&lookup) : audit.assignment;
+    audit.lookup = finish_tally(&lookup);
     *out = audit;
   }
   free(assignment.errors);

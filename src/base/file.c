@@ -45,25 +45,24 @@ StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
   return STY_OK;
 }
 
-StyStatus sty_commit_output(StyOutput *output, StyError *error) {
+static StyStatus fail_output(const StyOutput *output, int cause, StyError *error) {
+  return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected room and permission for the whole file",
+                  output->path, strerror(cause ? cause : EIO));
+}
+
+StyStatus sty_flush_output(StyOutput *output, StyError *error) {
   const int earlier = ferror(output->stream);
   errno = 0;
-  int failed = fflush(output->stream) != 0 || earlier;
-  int cause = errno ? errno : EIO;
-  if (fclose(output->stream) != 0 && !failed) {
-    failed = 1;
-    cause = errno;
-  }
+  return fflush(output->stream) != 0 || earlier ? fail_output(output, errno ? errno : ENOSPC, error) : STY_OK;
+}
+
+StyStatus sty_commit_output(StyOutput *output, StyError *error) {
+  StyStatus status = sty_flush_output(output, error);
+  const int closed = fclose(output->stream);
   output->stream = NULL;
-  if (!failed && rename(output->temporary, output->path) != 0) {
-    failed = 1;
-    cause = errno;
-  }
-  StyStatus status = STY_OK;
-  if (failed)
-    status = sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected room and permission for the whole file",
-                      output->path, strerror(cause));
-  if (!failed) {
+  if (!status && (closed != 0 || rename(output->temporary, output->path) != 0))
+    status = fail_output(output, errno, error);
+  if (!status) {
     free(output->temporary);
     output->temporary = NULL;
   }

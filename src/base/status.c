@@ -2,16 +2,20 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 StyStatus sty_fail(StyError *error, StyStatus status, const char *format, ...) {
   if (!error) return status;
+  /* The arguments may well be the text of this very error. */
+  char text[sizeof error->text];
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(error->text, sizeof error->text, format, arguments);
+  vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
   /* File names may hold anything; a terminal must not obey it. */
-  for (char *c = error->text; *c; c++)
+  for (char *c = text; *c; c++)
     if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+  memcpy(error->text, text, sizeof text);
   error->status = status;
   return status;
 }

@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <string.h>
+#include <strings.h>
 
 #include "bridge/jpeg.h"
 #include "stylut/image_io.h"
@@ -33,8 +35,40 @@ StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   return status ? status : c->read(path, out, error);
 }
 
-StyStatus sty_write_image(const char *path, const StyImage *image, StyError *error) {
+static bool has_ending(const char *path, const char *ending) {
+  const size_t length = strlen(path), tail = strlen(ending);
+  return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+StyStatus sty_get_image_format(const char *path, StyImageFormat *out, StyError *error) {
+  if (!has_ending(path, ".exr") && !has_ending(path, ".png"))
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found an unknown ending, expected .exr or .png", path);
+  *out = has_ending(path, ".exr") ? STY_IMAGE_EXR : STY_IMAGE_PNG;
+  return STY_OK;
+}
+
+StyStatus sty_prepare_image(const char *path, const StyImage *image, StyOutput *out, StyError *error) {
   const StyImageCodec *c;
-  const StyStatus status = get_codec(&c, error);
-  return status ? status : c->write(path, image, error);
+  StyImageFormat format = STY_IMAGE_EXR;
+  StyOutput output;
+  StyStatus status = sty_get_image_format(path, &format, error);
+  if (!status && format == STY_IMAGE_PNG && (image->channel_count > 4 || image->bits > 16))
+    status = sty_fail(error, STY_ERROR_USAGE, "%s: found %d channels of %d bits, which PNG can't hold; expected .exr",
+                      path, image->channel_count, image->bits);
+  if (!status) status = get_codec(&c, error);
+  if (!status) status = sty_open_output(path, &output, error);
+  if (status) return status;
+  status = c->write(path, output.stream, format, image, error);
+  if (!status) status = sty_flush_output(&output, error);
+  if (status)
+    sty_discard_output(&output);
+  else
+    *out = output;
+  return status;
+}
+
+StyStatus sty_write_image(const char *path, const StyImage *image, StyError *error) {
+  StyOutput output;
+  const StyStatus status = sty_prepare_image(path, image, &output, error);
+  return status ? status : sty_commit_output(&output, error);
 }

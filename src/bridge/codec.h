@@ -4,16 +4,18 @@
 #ifndef STYLUT_BRIDGE_CODEC_H
 #define STYLUT_BRIDGE_CODEC_H
 
-#include "stylut/image.h"
+#include <stdio.h>
+
+#include "stylut/image_io.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* As sty_read_image and sty_write_image of image_io.h. */
+/* As sty_read_image and sty_prepare_image of image_io.h. */
 typedef struct StyImageCodec {
   StyStatus (*read)(const char *path, StyImage **out, StyError *error);
-  StyStatus (*write)(const char *path, const StyImage *image, StyError *error);
+  StyStatus (*write)(const char *path, FILE *stream, StyImageFormat format, const StyImage *image, StyError *error);
 } StyImageCodec;
 
 #define STY_CODEC_MODULE "libstylut_oiio.so"

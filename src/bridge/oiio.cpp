@@ -184,11 +184,6 @@ struct ImageDeleter {
 };
 using ImageHolder = std::unique_ptr<StyImage, ImageDeleter>;
 
-bool has_ending(const char *path, const char *ending) {
-  const size_t length = std::strlen(path), tail = std::strlen(ending);
-  return length > tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
 // Hands rows of interleaved values to the writer.
 void write_rows(const char *path, ImageOutput &output, const ImageSpec &spec, const StyImage *image, StyError *error) {
   const size_t pixels = sty_count_pixels(image);
@@ -277,17 +272,12 @@ static StyStatus read_image(const char *path, StyImage **out, StyError *error) {
   });
 }
 
-static StyStatus write_image(const char *path, const StyImage *image, StyError *error) {
-  const bool exr = has_ending(path, ".exr");
-  if (!exr && !has_ending(path, ".png"))
-    return sty_fail(error, STY_ERROR_USAGE, "%s: found an unknown ending, expected .exr or .png", path);
-  if (!exr && (image->channel_count > 4 || image->bits > 16))
-    return sty_fail(error, STY_ERROR_USAGE, "%s: found %d channels of %d bits, which PNG can't hold; expected .exr",
-                    path, image->channel_count, image->bits);
-  StyOutput file;
-  const StyStatus opened = sty_open_output(path, &file, error);
-  if (opened != STY_OK) return opened;
-  const StyStatus status = guard(path, error, [&] {
+static StyStatus write_image(const char *path, FILE *stream, StyImageFormat format, const StyImage *image,
+                             StyError *error) {
+  return guard(path, error, [&] {
+    const bool exr = format == STY_IMAGE_EXR;
+    // Before the output, which still turns to it when it is destroyed.
+    OIIO::Filesystem::IOFile proxy(stream, OIIO::Filesystem::IOProxy::Write);
     const auto output = ImageOutput::create(exr ? "openexr" : "png");
     if (!output) check(sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO has no writer for this format", path));
     ImageSpec spec(image->width, image->height, image->channel_count,
@@ -303,7 +293,6 @@ static StyStatus write_image(const char *path, const StyImage *image, StyError *
     spec["DateTime"] = "2000:01:01 00:00:00";  // the same bytes whenever it is written
     for (int i = 0; i < image->attribute_count; i++)
       spec.attribute(image->attributes[i].name, image->attributes[i].value);
-    OIIO::Filesystem::IOFile proxy(file.stream, OIIO::Filesystem::IOProxy::Write);
     void *pointer = &proxy;
     spec.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
     if (!output->open(path, spec))
@@ -312,11 +301,6 @@ static StyStatus write_image(const char *path, const StyImage *image, StyError *
     if (!output->close())
       check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output->geterror().c_str()));
   });
-  if (status != STY_OK) {
-    sty_discard_output(&file);
-    return status;
-  }
-  return sty_commit_output(&file, error);
 }
 
 extern "C" __attribute__((visibility("default"))) const StyImageCodec sty_image_codec = {read_image, write_image};

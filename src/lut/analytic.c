@@ -9,6 +9,8 @@
 /* Two 8-bit levels: what rounding a painter's normal map may have done. */
 static const float tolerance = 4.0f / 255.0f;
 
+static const int most_rings = 24;
+
 static const uint32_t not_covered = UINT32_MAX;
 
 typedef struct Job {
@@ -44,15 +46,17 @@ static StyStatus check_sphere(const StySites *sites, float *deviation, StyError 
 
 /* Rings of pixels around the place (x, y) of a value, until none farther out
  * can be nearer. Mostly the first ring or two do; pixels may be missing at the
- * rim, in holes, or because a lower pixel has the same value. */
+ * rim, in holes, or because a lower pixel has the same value. Where a whole
+ * region is missing, looking at every site is quicker. */
 static size_t find_site_near(const Job *job, int x, int y, const float g[2]) {
   const int width = job->sites->width, height = job->sites->height;
   const int largest = width > height ? width : height;
   size_t nearest = job->sites->count;
   float best = INFINITY;
-  for (int ring = 0; ring <= largest; ring++) {
+  for (int ring = 0;; ring++) {
     const float least = ((float)ring - 0.5f) * 2 / (float)largest - 2 * job->deviation;
-    if (least > 0 && least * least > best) break;
+    if (least > 0 && least * least > best) return nearest;
+    if (ring > most_rings) return sty_scan_sites(job->sites, g);
     for (int dy = -ring; dy <= ring; dy++) {
       const int step = abs(dy) == ring || ring == 0 ? 1 : 2 * ring;
       for (int dx = -ring; dx <= ring; dx += step) {
@@ -68,7 +72,6 @@ static size_t find_site_near(const Job *job, int x, int y, const float g[2]) {
       }
     }
   }
-  return nearest;
 }
 
 static StyStatus build_row(void *context, long j, StyError *error) {

@@ -75,6 +75,17 @@ StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out
   return STY_OK;
 }
 
+/* A table of a kind this version doesn't know must not be taken for another. */
+static StyStatus check_kind(const char *name, const StyImage *image, StyError *error) {
+  static const char *const known[][2] = {{"stylut:kind", "lut"}, {"stylut:metric", "xy"}, {"stylut:map", "xy"}};
+  for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+    const char *text = sty_find_attribute(image, known[i][0]);
+    if (text && strcmp(text, known[i][1]) != 0)
+      return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %s, expected %s", name, known[i][0], text, known[i][1]);
+  }
+  return STY_OK;
+}
+
 /* What kind of table an image is: from its attributes, else from its shape.
  * `facts` holds what the caller knew and receives what the file says. */
 static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncoding *encoding, StyLutHints *facts,
@@ -103,6 +114,9 @@ static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncod
   text = sty_find_attribute(image, "stylut:sampling");
   if (text && sty_parse_choice("stylut:sampling", text, sty_sampling_names, &choice, NULL))
     return sty_fail(error, STY_ERROR_INPUT, "%s: found sampling '%s', expected centre or unorm8", name, text);
+  if (text && facts->sampling >= 0 && facts->sampling != choice)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found a LUT of sampling %s, expected %s", name, text,
+                    sty_sampling_names[facts->sampling]);
   if (text) facts->sampling = choice;
   if (facts->sampling < 0) facts->sampling = STY_SAMPLE_CENTRE;
   text = sty_find_attribute(image, "stylut:source");
@@ -161,7 +175,8 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
                          StyError *error) {
   StyEncoding encoding = STY_ENCODE_F32;
   StyLutHints facts = *hints;
-  StyStatus status = recognize_lut(name, image, &encoding, &facts, error);
+  StyStatus status = check_kind(name, image, error);
+  if (!status) status = recognize_lut(name, image, &encoding, &facts, error);
   if (status) return status;
   static const char *const float_names[4] = {"u", "v", "error"}, *const integer_names[4] = {"R", "G", "B", "A"};
   const bool is_float = encoding == STY_ENCODE_F32;

@@ -94,6 +94,9 @@ static StyStatus make_temporary(StyBundleWriter *writer, const char *path, StyEr
 
 StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, StyBundleWriter **out,
                                  StyError *error) {
+  if (shape->style_count < 1 || shape->style_count > STY_MAX_STYLES)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found %d styles, expected 1 to %d", path, shape->style_count,
+                    STY_MAX_STYLES);
   StyBundleWriter *writer = calloc(1, sizeof *writer);
   if (writer) writer->params = calloc(STY_PARAM_ROWS, sizeof *writer->params);
   if (!writer || !writer->params) {
@@ -124,6 +127,9 @@ StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, 
 
 StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *exemplar, const uint8_t *guide, const uint16_t *lut,
                           const StyStyle *parameters, StyError *error) {
+  if (writer->written >= writer->shape.style_count)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found more styles than the %d expected", writer->path,
+                    writer->shape.style_count);
   const int style = writer->written++;
   const float rows[STY_PARAM_ROWS][4] = {
       {(float)parameters->threshold, (float)parameters->top_level, (float)parameters->radius,

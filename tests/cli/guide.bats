@@ -36,6 +36,7 @@ ask_oiiotool() { oiiotool --no-autopremult "$1" --cut "1x1+$2+$3" -d float -o cu
     # shellcheck disable=SC2086
     expect "pixel $place" "$(ask_oiiotool s.exr $place)" "$(dump s.exr A,depth.Z,normal.X,normal.Y,normal.Z | sed -n "s/^$place //p")"
   done
+  expect_near 'normal.X at 3 7' "$(ask_oiiotool s.exr 3 7 | cut -d' ' -f3)" -0.7083333 1e-6
   accept guide sphere -s 24 --bits 16 -o s.png
   for place in '3 7' '20 5' '0 0'; do
     # EXR files list their channels R G B A.
