@@ -8,6 +8,8 @@ CGAL ?= 1
 prefix ?= /usr/local
 bindir = $(prefix)/bin
 libdir = $(prefix)/lib
+# Where the tool looks for the image module, from bindir: ../lib.
+moduledir = $(prefix)/lib
 includedir = $(prefix)/include
 docdir = $(prefix)/share/doc/stylut
 
@@ -23,7 +25,7 @@ AR ?= ar
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libomp-dev libcmocka-dev bats
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libomp-dev libcmocka-dev bats pkg-config
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
@@ -69,6 +71,15 @@ CREATURE = $(BUILD)/creature
 USE_RUNTIME = $(BUILD)/use_runtime
 TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
 
+.DELETE_ON_ERROR:
+
+# What is built and how: when a source goes away or a flag changes, the stamp
+# changes with it, and all that depends on it is made anew.
+STAMP = $(BUILD)/stamp
+STAMP_TEXT = $(sort $(LIBRARY_SOURCES) $(RUNTIME_SOURCES) $(TOOL_SOURCES)) $(CC) $(CXX) $(CFLAGS_ALL) $(CXXFLAGS_ALL) $(LDFLAGS)
+$(shell mkdir -p $(BUILD); printf '%s' "$(subst ",\",$(STAMP_TEXT))" | cmp -s - $(STAMP) || \
+  printf '%s' "$(subst ",\",$(STAMP_TEXT))" > $(STAMP))
+
 .PHONY: all
 all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(USE_RUNTIME) ## build the tool, the libraries and the example
 
@@ -91,15 +102,15 @@ $(LIBRARY): $(call objects,$(LIBRARY_SOURCES))
 	@rm -f $@
 	$(AR) rcsD $@ $^
 
-$(BUILD)/src/runtime/%.c.o: src/runtime/%.c Makefile
+$(BUILD)/src/runtime/%.c.o: src/runtime/%.c Makefile $(STAMP)
 	@mkdir -p $(@D)
 	$(CC) $(RUNTIME_CFLAGS) -c -o $@ $<
 
-$(BUILD)/%.c.o: %.c Makefile
+$(BUILD)/%.c.o: %.c Makefile $(STAMP)
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS_ALL) -c -o $@ $<
 
-$(BUILD)/%.cpp.o: %.cpp Makefile
+$(BUILD)/%.cpp.o: %.cpp Makefile $(STAMP)
 	@mkdir -p $(@D)
 	$(CXX) $(CXXFLAGS_ALL) -c -o $@ $<
 
@@ -117,14 +128,14 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
 	$(LINK) $(call look_in,../..) -o $@ $^ $(LIBRARIES) -lcmocka
 
 # ---- packages ---------------------------------------------------------------
-# $(call missing,PACKAGES): shell text that prints those not installed. Node may
-# well have come from elsewhere than Debian: its presence is what counts.
-missing = for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || printf '%s ' $$p; done; \
-  command -v npm >/dev/null || printf '%s ' $(if $(filter clang,$(1)),nodejs npm)
+# $(call missing,PACKAGES): shell text that prints those not installed.
+missing = for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || printf '%s ' $$p; done
+# Node may well have come from elsewhere than Debian: its presence is what counts.
+missing_node = command -v npm >/dev/null || printf 'nodejs npm '
 
 .PHONY: deps
 deps: ## install the Debian packages that building, demo and tests need
-	@wanted=$$($(call missing,$(TEST_PACKAGES) $(STYLE_PACKAGES))); \
+	@wanted=$$($(call missing,$(TEST_PACKAGES) $(STYLE_PACKAGES)); $(missing_node)); \
 	if [ -n "$$wanted" ]; then as=; [ "$$(id -u)" = 0 ] || as=sudo; \
 	  echo "installing: $$wanted"; \
 	  $$as apt-get update && DEBIAN_FRONTEND=noninteractive $$as apt-get install -y --no-install-recommends $$wanted; fi
@@ -133,7 +144,7 @@ deps: ## install the Debian packages that building, demo and tests need
 ensure-demo-packages:
 	@[ -z "$$($(call missing,$(DEMO_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
 ensure-test-packages:
-	@[ -z "$$($(call missing,$(TEST_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
+	@[ -z "$$($(call missing,$(TEST_PACKAGES)); $(missing_node))" ] || $(MAKE) --no-print-directory deps
 
 # ---- demo, tests, bench -----------------------------------------------------
 .PHONY: demo run-demo
@@ -174,21 +185,22 @@ style: ## formatting, includes, shell scripts
 # ---- install ----------------------------------------------------------------
 .PHONY: install uninstall
 install: all ## install under $(prefix), with DESTDIR
-	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
+	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(moduledir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
 	install -m 755 $(TOOL) $(DESTDIR)$(bindir)/stylut
-	install -m 644 $(LIBRARY) $(RUNTIME_LIBRARY) $(MODULE) $(DESTDIR)$(libdir)/
+	install -m 644 $(LIBRARY) $(RUNTIME_LIBRARY) $(DESTDIR)$(libdir)/
+	install -m 644 $(MODULE) $(DESTDIR)$(moduledir)/
 	install -m 644 include/stylut/*.h $(DESTDIR)$(includedir)/stylut/
 	install -m 644 LICENSE README.md CHANGELOG.md $(DESTDIR)$(docdir)/
 	$(call pkgconfig,stylut_rt,runtime of stylut: reads bundles and stylizes frames,-lstylut_rt -lm)
-	$(call pkgconfig,stylut,guides$(comma) look-up tables and bundles for example-based stylization,-lstylut -lstylut_rt $(LIBRARIES) -fopenmp)
+	$(call pkgconfig,stylut,guides$(comma) look-up tables and bundles for example-based stylization,-lstylut -lstylut_rt $(LIBRARIES) -fopenmp -Wl$(comma)--disable-new-dtags$(comma)-rpath$(comma)$(moduledir))
 
-pkgconfig = printf '%s\n' 'prefix=$(prefix)' 'libdir=$${prefix}/lib' 'includedir=$${prefix}/include' '' 'Name: lib$(1)' \
+pkgconfig = printf '%s\n' 'prefix=$(prefix)' 'libdir=$(libdir)' 'includedir=$(includedir)' '' 'Name: lib$(1)' \
   'Description: $(2)' 'Version: $(VERSION)' 'Cflags: -I$${includedir}' 'Libs: -L$${libdir} $(3)' \
   > $(DESTDIR)$(libdir)/pkgconfig/lib$(1).pc
 
 uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(bindir)/stylut $(DESTDIR)$(libdir)/libstylut.a $(DESTDIR)$(libdir)/libstylut_rt.a \
-	  $(DESTDIR)$(libdir)/libstylut_oiio.so
+	  $(DESTDIR)$(moduledir)/libstylut_oiio.so
 	rm -f $(DESTDIR)$(libdir)/pkgconfig/libstylut.pc $(DESTDIR)$(libdir)/pkgconfig/libstylut_rt.pc
 	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
 

@@ -139,7 +139,7 @@ static StyStatus compare_with_budgets(const Arguments *arguments, const StyAudit
     const bool met =
         budgets[i].at_least ? budgets[i].found >= budgets[i].budget : budgets[i].found <= budgets[i].budget;
     if (met) continue;
-    fprintf(stderr, "stylut: check failed: %s: %s: found %.4g, expected %s %.4g\n", arguments->lut, budgets[i].name,
+    fprintf(stderr, "stylut: error: %s: %s: found %.4g, expected %s %.4g\n", arguments->lut, budgets[i].name,
             budgets[i].found, budgets[i].at_least ? "at least" : "at most", budgets[i].budget);
     status = STY_CHECK_FAILED;
   }

@@ -211,7 +211,7 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
                                 "mrays_per_s", rate, "peak_bytes", get_peak_bytes()),
                       error);
   if (arguments->options.quiet) return STY_OK;
-  printf("%s: %dx%d, %.1f %% covered\n", arguments->options.output, arguments->width, arguments->height,
+  printf("%s: %dx%d, %.1f %% covered\n", clean_text(arguments->options.output), arguments->width, arguments->height,
          100.0 * (double)account->covered / pixels);
   if (arguments->mesh)
     printf("%zu triangles; read %.0f ms, build %.0f ms, trace %.0f ms (%.1f million rays/s), write %.0f ms\n",
@@ -224,10 +224,9 @@ static StyStatus run(Arguments *arguments) {
   StyImage *guide = NULL;
   StyStatus status = render(arguments, &account, &guide);
   if (!status && arguments->options.dry_run) {
-    printf("would write %s: %dx%d from %zu triangles\n", arguments->options.output, arguments->width, arguments->height,
-           account.triangles);
     sty_destroy_image(&guide);
-    return STY_OK;
+    return report_dry_run(&arguments->options, "%dx%d pixels, %zu triangles", arguments->width, arguments->height,
+                          account.triangles);
   }
   if (!status) {
     const float *covered = sty_find_channel(guide, "A");

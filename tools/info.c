@@ -63,12 +63,12 @@ static json_t *describe_image(const StyImage *image) {
   json_t *channels = json_array(), *attributes = json_object();
   for (int c = 0; c < image->channel_count; c++) {
     const Range range = measure_channel(image->data + (size_t)c * pixels, pixels);
-    json_array_append_new(channels,
-                          json_pack("{s:s, s:f, s:f, s:I}", "name", image->names[c], "minimum", (double)range.minimum,
-                                    "maximum", (double)range.maximum, "not_finite", (json_int_t)range.not_finite));
+    json_array_append_new(channels, json_pack("{s:o, s:f, s:f, s:I}", "name", make_json_text(image->names[c]),
+                                              "minimum", (double)range.minimum, "maximum", (double)range.maximum,
+                                              "not_finite", (json_int_t)range.not_finite));
   }
   for (int i = 0; i < image->attribute_count; i++)
-    json_object_set_new(attributes, image->attributes[i].name, json_string(image->attributes[i].value));
+    json_object_set_new(attributes, image->attributes[i].name, make_json_text(image->attributes[i].value));
   return json_pack("{s:s, s:[ii], s:i, s:o, s:o}", "schema", "stylut-info/1", "size", image->width, image->height,
                    "bits", image->bits, "channels", channels, "attributes", attributes);
 }
@@ -77,18 +77,18 @@ static void print_image(const char *path, const json_t *report) {
   const json_t *size = json_object_get(report, "size"), *channels = json_object_get(report, "channels"), *value;
   const char *key;
   size_t i;
-  printf("%s: %lldx%lld pixels, %lld-bit %s\n", path, json_integer_value(json_array_get(size, 0)),
+  printf("%s: %lldx%lld pixels, %lld-bit %s\n", clean_text(path), json_integer_value(json_array_get(size, 0)),
          json_integer_value(json_array_get(size, 1)), json_integer_value(json_object_get(report, "bits")),
          json_integer_value(json_object_get(report, "bits")) == 32 ? "float" : "integer");
   json_array_foreach(channels, i, value) {
     const long long odd = json_integer_value(json_object_get(value, "not_finite"));
-    printf("  %-14s %g to %g", json_string_value(json_object_get(value, "name")),
+    printf("  %-14s %g to %g", clean_text(json_string_value(json_object_get(value, "name"))),
            json_real_value(json_object_get(value, "minimum")), json_real_value(json_object_get(value, "maximum")));
     if (odd) printf(", %lld not finite", odd);
     putchar('\n');
   }
   json_object_foreach(json_object_get(report, "attributes"), key, value)
-      printf("  %s = %s\n", key, json_string_value(value));
+      printf("  %s = %s\n", clean_text(key), clean_text(json_string_value(value)));
 }
 
 static StyStatus show_image(const Arguments *arguments, StyError *error) {
@@ -109,7 +109,7 @@ static void print_bundle(const char *path, const StyLoadedBundle *loaded) {
   const StyTexture *textures = loaded->bundle.textures;
   const json_t *styles = json_object_get(loaded->index.root, "styles"), *style;
   size_t i;
-  printf("%s: bundle of %zu style(s)\n", path, json_array_size(styles));
+  printf("%s: bundle of %zu style(s)\n", clean_text(path), json_array_size(styles));
   for (int t = 0; t < STY_BUNDLE_FILES; t++)
     printf("  %-15s %ux%u, %u layer(s), %zu bytes\n", sty_bundle_files[t], textures[t].width, textures[t].height,
            textures[t].layers, loaded->files[t].size);

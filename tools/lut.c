@@ -121,8 +121,8 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
                   "time_ms", pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes()),
         error);
   if (arguments->options.quiet) return STY_OK;
-  printf("%s: %dx%d texels from %zu source pixels, %zu distinct values\n", arguments->options.output, arguments->size,
-         arguments->size, account->points, account->unique);
+  printf("%s: %dx%d texels from %zu source pixels, %zu distinct values\n", clean_text(arguments->options.output),
+         arguments->size, arguments->size, account->points, account->unique);
   printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
          account->mean_error / level, account->max_error / level);
   printf("read %.1f ms, build %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
@@ -151,10 +151,10 @@ static StyStatus run(Arguments *arguments) {
   sty_destroy_image(&guide);
   const double read = get_milliseconds();
   if (!status && arguments->options.dry_run) {
-    printf("would write %s: %dx%d texels from %zu distinct values with engine %s\n", arguments->options.output,
-           arguments->size, arguments->size, sites->count, arguments->engine->name);
+    status = report_dry_run(&arguments->options, "%dx%d texels from %zu distinct values with engine %s",
+                            arguments->size, arguments->size, sites->count, arguments->engine->name);
     sty_destroy_sites(&sites);
-    return STY_OK;
+    return status;
   }
   if (!status) {
     const StyRun job = begin_progress(&arguments->options, "searching");

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +11,7 @@
 #include "stylut/file.h"
 #include "stylut/parse.h"
 
-enum { KEY_FORMAT = 0x100, KEY_PROGRESS, KEY_DRY_RUN, KEY_NO_HISTORY, KEY_SEED };
+enum { KEY_FORMAT = 0x100, KEY_PROGRESS, KEY_DRY_RUN, KEY_NO_HISTORY, KEY_SEED, KEY_USAGE };
 
 static const char *const progress_modes[] = {"auto", "bar", "json", "none", NULL};
 enum { PROGRESS_AUTO, PROGRESS_BAR, PROGRESS_JSON, PROGRESS_NONE };
@@ -48,11 +49,12 @@ static const struct argp_option common_options[] = {
     {NULL, 0, NULL, 0, "Common options:", 90},
     {"threads", 'j', "N", 0, "use N threads (default: one per core); the result is the same for any number", 0},
     {"quiet", 'q', NULL, 0, "print nothing but errors", 0},
-    {"verbose", 'v', NULL, 0, "say more", 0},
+    {"verbose", 'v', NULL, 0, "say on stderr how long each stage took", 0},
     {"format", KEY_FORMAT, "text|json", 0, "how results are printed (default: text)", 0},
     {"progress", KEY_PROGRESS, "auto|bar|json|none", 0,
      "progress of long work on stderr (default: a bar on a terminal)", 0},
     {"help", '?', NULL, 0, "print this and do nothing", 0},
+    {"usage", KEY_USAGE, NULL, 0, "print the options alone and do nothing", 0},
     {0},
 };
 
@@ -162,8 +164,15 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
   Options *options = arguments;
   /* Told to keep its own messages to itself, argp keeps its help to itself too. */
   for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-    if (strcmp(argv[i], "--help") != 0 && strcmp(argv[i], "-?") != 0) continue;
-    argp_help(argp, stdout, ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, argv[0]);
+    const bool help = strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-?") == 0;
+    const bool usage = strcmp(argv[i], "--usage") == 0;
+    const size_t length = strlen(argv[i]);
+    if (length == 0 || (argv[i][0] == '-' && argv[i][length - 1] == '='))
+      return sty_fail(&options->error, STY_ERROR_USAGE,
+                      "%s '%s': found an empty value, expected one that says something",
+                      i > 1 || length ? "option" : "argument", length ? argv[i] : argv[i - 1]);
+    if (!help && !usage) continue;
+    argp_help(argp, stdout, help ? ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC : ARGP_HELP_USAGE, argv[0]);
     options->helped = true;
     return STY_OK;
   }
@@ -207,9 +216,10 @@ typedef struct Bar {
   const char *stage;
   bool json;
   int shown; /* percent; -1 for none */
+  double start;
 } Bar;
 
-static Bar bar = {NULL, false, -1};
+static Bar bar = {NULL, false, -1, 0};
 
 static void show_progress(void *context, double done) {
   Bar *b = context;
@@ -229,13 +239,15 @@ StyRun begin_progress(const Options *options, const char *stage) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
   const bool wanted = options->progress == PROGRESS_BAR || options->progress == PROGRESS_JSON ||
                       (options->progress == PROGRESS_AUTO && terminal && !options->quiet);
-  bar = (Bar){stage, options->progress == PROGRESS_JSON, -1};
+  bar = (Bar){stage, options->progress == PROGRESS_JSON, -1, get_milliseconds()};
   return (StyRun){options->threads, wanted ? show_progress : NULL, &bar};
 }
 
 void end_progress(const Options *options) {
-  (void)options;
   if (bar.shown >= 0 && !bar.json) fprintf(stderr, "\r\033[K");
+  if (options->verbose)
+    fprintf(stderr, "stylut: %s took %.1f ms on %d threads\n", bar.stage, get_milliseconds() - bar.start,
+            sty_get_threads(&(StyRun){.threads = options->threads}));
   bar.shown = -1;
 }
 
@@ -266,6 +278,40 @@ StyStatus print_json(json_t *report, StyError *error) {
   return STY_OK;
 }
 
+const char *clean_text(const char *text) {
+  static char buffers[8][1024];
+  static int next;
+  char *buffer = buffers[next++ % 8];
+  snprintf(buffer, sizeof buffers[0], "%s", text);
+  for (char *c = buffer; *c; c++)
+    if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+  return buffer;
+}
+
+json_t *make_json_text(const char *text) {
+  json_t *string = json_string(text);
+  char *plain = string ? NULL : strdup(text);
+  for (char *c = plain; c && *c; c++)
+    if ((unsigned char)*c > 0x7f) *c = '?';
+  if (plain) string = json_string(plain);
+  free(plain);
+  return string;
+}
+
+StyStatus report_dry_run(Options *options, const char *format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  if (options->json)
+    return print_json(json_pack("{s:s, s:o, s:o}", "schema", "stylut-dry-run/1", "output",
+                                make_json_text(options->output), "text", make_json_text(text)),
+                      &options->error);
+  if (!options->quiet) printf("would write %s: %s\n", clean_text(options->output), clean_text(text));
+  return STY_OK;
+}
+
 json_t *pack_times(const char *const *stages, const double *milliseconds, int count) {
   json_t *times = json_object();
   for (int i = 0; i < count; i++)
@@ -273,16 +319,24 @@ json_t *pack_times(const char *const *stages, const double *milliseconds, int co
   return times;
 }
 
-StyStatus add_history(const Options *options, const char *command, StyImage *image, const char *const *inputs,
-                      int input_count, StyError *error) {
-  if (options->no_history) return STY_OK;
+json_t *get_command_line(const Options *options, const char *command) {
   char *line = NULL;
   if (asprintf(&line, "stylut %s%s%s", command, options->history ? " " : "", options->history ? options->history : "") <
       0)
-    return sty_fail_memory(error, "history", 0);
-  StyStatus status = sty_set_attribute(image, "stylut:version", STY_VERSION, error);
-  if (!status) status = sty_set_attribute(image, "stylut:command", line, error);
+    return NULL;
+  json_t *text = make_json_text(line);
   free(line);
+  return text;
+}
+
+StyStatus add_history(const Options *options, const char *command, StyImage *image, const char *const *inputs,
+                      int input_count, StyError *error) {
+  if (options->no_history) return STY_OK;
+  json_t *line = get_command_line(options, command);
+  if (!line) return sty_fail_memory(error, "history", 0);
+  StyStatus status = sty_set_attribute(image, "stylut:version", STY_VERSION, error);
+  if (!status) status = sty_set_attribute(image, "stylut:command", json_string_value(line), error);
+  json_decref(line);
   for (int i = 0; !status && i < input_count; i++) {
     char name[32], value[STY_HASH_SIZE];
     snprintf(name, sizeof name, "stylut:input%d", i + 1);

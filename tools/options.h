@@ -68,8 +68,21 @@ double get_peak_bytes(void);
 /* Prints to stdout; frees `report`. */
 StyStatus print_json(json_t *report, StyError *error);
 
+/* Text for a terminal: control characters become '?'. Valid until the eighth
+ * call after; from one thread only. */
+const char *clean_text(const char *text);
+
+/* Text for JSON, which must be UTF-8: where it isn't, bytes beyond ASCII become '?'. */
+json_t *make_json_text(const char *text);
+
+/* Says what --dry-run leaves undone, as text or JSON. */
+StyStatus report_dry_run(Options *options, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* {"stage": milliseconds, ...} from parallel lists, rounded to microseconds. */
 json_t *pack_times(const char *const *stages, const double *milliseconds, int count);
+
+/* "stylut COMMAND" with all that shapes the result, for JSON. */
+json_t *get_command_line(const Options *options, const char *command);
 
 /* Puts version, command and the inputs' hashes into an image to be written,
  * unless --no-history was given. `inputs` are file names. */

@@ -234,16 +234,41 @@ static StyStatus read_jitter(const Arguments *arguments, const StyManifest *mani
   return status;
 }
 
+/* Adds the hash of a file named in the manifest, once. */
+static StyStatus record_input(const char *folder, const char *name, json_t *inputs, StyError *error) {
+  char hash[STY_HASH_SIZE];
+  if (json_object_get(inputs, name)) return STY_OK;
+  char *path = sty_join_path(folder, name);
+  const StyStatus status = path ? sty_hash_file(path, hash, error) : sty_fail_memory(error, name, 0);
+  if (!status) json_object_set_new(inputs, name, json_string(hash));
+  free(path);
+  return status;
+}
+
+/* How the bundle came about: the command, and every file that went in. */
+static StyStatus record_inputs(const Arguments *arguments, const StyManifest *manifest, json_t *index,
+                               StyError *error) {
+  char hash[STY_HASH_SIZE];
+  json_t *inputs = json_object();
+  StyStatus status = sty_hash_file(arguments->manifest, hash, error);
+  if (!status && manifest->jitter) status = record_input(manifest->folder, manifest->jitter, inputs, error);
+  for (int i = 0; !status && i < manifest->style_count; i++) {
+    const StyManifestStyle *style = &manifest->styles[i];
+    status = record_input(manifest->folder, style->exemplar, inputs, error);
+    if (!status && strcmp(style->guide, "sphere") != 0)
+      status = record_input(manifest->folder, style->guide, inputs, error);
+    if (!status && style->lut_file) status = record_input(manifest->folder, style->lut_file, inputs, error);
+  }
+  json_object_set_new(index, "history",
+                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&arguments->options, "pack"), "manifest",
+                                hash, "inputs", inputs));
+  return status;
+}
+
 /* What the index says of one style. */
-static StyStatus describe_style(const StyManifest *manifest, int number, const Textures *textures, json_t *styles,
-                                StyError *error) {
+static void describe_style(const StyManifest *manifest, int number, const Textures *textures, json_t *styles) {
   const StyManifestStyle *style = &manifest->styles[number];
   const StyStyle *p = &textures->parameters;
-  char hash[STY_HASH_SIZE];
-  char *path = sty_join_path(manifest->folder, style->exemplar);
-  const StyStatus status = path ? sty_hash_file(path, hash, error) : sty_fail_memory(error, style->exemplar, 0);
-  free(path);
-  if (status) return status;
   json_t *lut =
       json_pack("{s:i, s:s}", "size", textures->lut_size, "sampling", p->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre");
   if (style->lut_file)
@@ -252,11 +277,10 @@ static StyStatus describe_style(const StyManifest *manifest, int number, const T
     json_object_set_new(lut, "engine", json_string(style->lut_engine));
   json_array_append_new(
       styles,
-      json_pack("{s:i, s:s, s:{s:s, s:s, s:[ii]}, s:s, s:o, s:{s:i, s:i, s:i, s:f}, s:[ii]}", "id", number + 1, "name",
-                style->name, "exemplar", "file", style->exemplar, "sha256", hash, "size", textures->width,
-                textures->height, "guide", style->guide, "lut", lut, "params", "threshold", p->threshold, "top_level",
-                p->top_level, "radius", p->radius, "depth_tolerance", (double)p->depth_tolerance, "layers", number, 1));
-  return STY_OK;
+      json_pack("{s:i, s:s, s:{s:s, s:[ii]}, s:s, s:o, s:{s:i, s:i, s:i, s:f}, s:[ii]}", "id", number + 1, "name",
+                style->name, "exemplar", "file", style->exemplar, "size", textures->width, textures->height, "guide",
+                style->guide, "lut", lut, "params", "threshold", p->threshold, "top_level", p->top_level, "radius",
+                p->radius, "depth_tolerance", (double)p->depth_tolerance, "layers", number, 1));
 }
 
 static StyStatus write_styles(const Arguments *arguments, const StyManifest *manifest, StyBundleWriter **writer,
@@ -272,7 +296,7 @@ static StyStatus write_styles(const Arguments *arguments, const StyManifest *man
       status = sty_open_bundle_writer(arguments->options.output, &shape, writer, error);
     if (!status && *writer)
       status = sty_write_style(*writer, textures.exemplar, textures.guide, textures.lut, &textures.parameters, error);
-    if (!status) status = describe_style(manifest, i, &textures, styles, error);
+    if (!status) describe_style(manifest, i, &textures, styles);
     if (run.progress) run.progress(run.context, (double)(i + 1) / manifest->style_count);
   }
   end_progress(&arguments->options);
@@ -280,16 +304,34 @@ static StyStatus write_styles(const Arguments *arguments, const StyManifest *man
   return status;
 }
 
-static StyStatus print_report(const Arguments *arguments, const StyManifest *manifest, double milliseconds,
-                              StyError *error) {
-  if (arguments->options.json)
+static StyStatus print_report(Arguments *arguments, const StyManifest *manifest, double milliseconds, StyError *error) {
+  Options *options = &arguments->options;
+  const char *plural = manifest->style_count == 1 ? "" : "s";
+  if (options->dry_run) return report_dry_run(options, "%d style%s", manifest->style_count, plural);
+  if (options->json)
     return print_json(
-        json_pack("{s:s, s:s, s:i, s:f, s:f}", "schema", "stylut-pack/1", "bundle", arguments->options.output, "styles",
-                  manifest->style_count, "time_ms", milliseconds, "peak_bytes", get_peak_bytes()),
+        json_pack("{s:s, s:o, s:i, s:f, s:f}", "schema", "stylut-pack/1", "bundle", make_json_text(options->output),
+                  "styles", manifest->style_count, "time_ms", milliseconds, "peak_bytes", get_peak_bytes()),
         error);
-  if (!arguments->options.quiet)
-    printf("%s%s: %d style%s in %.0f ms\n", arguments->options.dry_run ? "would write " : "", arguments->options.output,
-           manifest->style_count, manifest->style_count == 1 ? "" : "s", milliseconds);
+  if (!options->quiet)
+    printf("%s: %d style%s in %.0f ms\n", clean_text(options->output), manifest->style_count, plural, milliseconds);
+  return STY_OK;
+}
+
+/* The manifest's reader knows no engines; their names are checked here. */
+static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
+  const StyPath styles = {NULL, "styles", 0};
+  for (int i = 0; i < manifest->style_count; i++) {
+    const StyPath style = {&styles, NULL, (size_t)i}, lut = {&style, "lut", 0};
+    const StyEngine *engine;
+    StyError cause;
+    if (sty_find_engine("engine", manifest->styles[i].lut_engine, &engine, &cause) == STY_OK) continue;
+    json_t *name = json_string(manifest->styles[i].lut_engine);
+    const char *expected = strstr(cause.text, "one of ");
+    sty_fail_value(&manifest->document, &(StyPath){&lut, "engine", 0}, name, expected ? expected : "an engine", error);
+    json_decref(name);
+    return STY_ERROR_INPUT;
+  }
   return STY_OK;
 }
 
@@ -302,9 +344,11 @@ static StyStatus run(Arguments *arguments) {
   if (status) return status;
   StyBundleWriter *writer = NULL;
   json_t *index = json_object(), *styles = json_array();
+  if (!arguments->options.no_history) status = record_inputs(arguments, &manifest, index, error);
   json_object_set_new(index, "styles", styles);
   json_object_set_new(index, "seed", json_integer((json_int_t)arguments->options.seed));
-  status = read_jitter(arguments, &manifest, jitter, error);
+  if (!status) status = check_engines(&manifest, error);
+  if (!status) status = read_jitter(arguments, &manifest, jitter, error);
   if (!status) status = write_styles(arguments, &manifest, &writer, styles, error);
   if (!status && writer) status = sty_commit_bundle(&writer, jitter, index, error);
   sty_discard_bundle(&writer);

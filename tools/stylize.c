@@ -195,7 +195,11 @@ static StyStatus prepare_rgba(const Arguments *arguments, const char *path, cons
   for (int c = 0; c < 4; c++)
     for (size_t i = 0; i < pixels; i++)
       image->data[(size_t)c * pixels + i] = get(work, i, c) / (bits == 8 ? 255.0f : 65535.0f);
-  status = add_history(&arguments->options, "stylize", image, &arguments->guide, 1, error);
+  char *index = sty_join_path(arguments->bundle, STY_BUNDLE_INDEX);
+  const char *const inputs[] = {arguments->guide, index};
+  status = index ? add_history(&arguments->options, "stylize", image, inputs, 2, error)
+                 : sty_fail_memory(error, "history", 0);
+  free(index);
   if (!status) status = sty_prepare_image(path, image, out, error);
   sty_destroy_image(&image);
   return status;
@@ -264,7 +268,7 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
                   pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
         error);
   if (arguments->options.quiet) return STY_OK;
-  printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", arguments->options.output,
+  printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
          work->frame.width, work->frame.height, account->covered, 100 * share);
   printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],
          account->times[1], account->times[2], account->times[3], account->times[4]);
@@ -315,7 +319,7 @@ static StyStatus run(Arguments *arguments) {
   account.times[0] = loaded - start;
   account.times[1] = get_milliseconds() - loaded;
   if (!status && arguments->options.dry_run) {
-    printf("would write %s: %dx%d pixels\n", arguments->options.output, work.frame.width, work.frame.height);
+    status = report_dry_run(&arguments->options, "%dx%d pixels", work.frame.width, work.frame.height);
   } else if (!status) {
     status = stylize(arguments, &work, &account, error);
     const double before = get_milliseconds();

@@ -39,9 +39,9 @@ static const struct argp parser = {
 static void take_finding(void *context, const StyFinding *finding) {
   Arguments *arguments = context;
   if (arguments->findings) {
-    json_array_append_new(arguments->findings,
-                          json_pack("{s:i, s:b, s:s, s:s}", "number", (int)finding->number, "warning",
-                                    (int)finding->warning, "file", finding->file, "text", finding->text));
+    json_array_append_new(arguments->findings, json_pack("{s:i, s:b, s:s, s:o}", "number", (int)finding->number,
+                                                         "warning", (int)finding->warning, "file", finding->file,
+                                                         "text", make_json_text(finding->text)));
   } else if (!arguments->options.quiet) {
     printf("B%d %s: %s: %s\n", (int)finding->number, finding->warning ? "warning" : "error", finding->file,
            finding->text);
@@ -61,7 +61,7 @@ StyStatus run_validate(int argc, char **argv) {
           json_pack("{s:s, s:b, s:o}", "schema", "stylut-validate/1", "valid", !status, "findings", arguments.findings),
           NULL);
     else if (!status && !arguments.options.quiet)
-      printf("%s: valid, %zu style(s)\n", arguments.bundle,
+      printf("%s: valid, %zu style(s)\n", clean_text(arguments.bundle),
              json_array_size(json_object_get(bundle.index.root, "styles")));
     if (!status) sty_unload_bundle(&bundle);
   }

@@ -1,5 +1,5 @@
 /* A sphere that fills the picture needs no search: the guide value is the place
- * (the lit sphere's rule, seed 000, transformation 2.2.1). */
+ * (the lit sphere's rule: Sloan, Martin, Gooch, Gooch, "The Lit Sphere", 2001). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

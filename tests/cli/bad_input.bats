@@ -374,7 +374,8 @@ put_output() { # FOLDER COMMAND...
 
 @test "an output in a folder that isn't there" {
   bring_all
-  each_output prove
+  each_output beside prove
+  wait
   rm -f second.png
   each_output put_output nowhere
   each_output put_output guide.exr
@@ -383,7 +384,8 @@ put_output() { # FOLDER COMMAND...
 
 @test "an output in a folder that can't be written to" {
   bring_all
-  each_output prove
+  each_output beside prove
+  wait
   rm -f second.png
   local folder=/proc
   mkdir frozen

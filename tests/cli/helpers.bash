@@ -11,7 +11,7 @@ STYLUT=$(realpath "$STYLUT")
 STYLUT_BUILD=$(realpath "$STYLUT_BUILD")
 STYLUT_ROOT=$(realpath "$STYLUT_ROOT")
 # shellcheck disable=SC2034 # for the tests
-exemplars=$STYLUT_ROOT/exemplars shared_data=$STYLUT_ROOT/../shared/data
+exemplars=$STYLUT_ROOT/exemplars data=${STYLUT_DATA:-none}
 
 # What an outer make hands down would rule the makes that tests start.
 unset MAKEFLAGS MFLAGS MAKEOVERRIDES MAKELEVEL
@@ -119,8 +119,9 @@ prove() {
 }
 
 # swap CODE GOOD BAD COMMAND...: passes as it stands (writing out.*), is refused
-# by the name of BAD with BAD in the place of the argument GOOD.
-swap() {
+# by the name of BAD with BAD in the place of the argument GOOD. Needs `wait`.
+swap() { beside swap_here "$@"; }
+swap_here() {
   local code=$1 good=$2 bad=$3 changed=() argument
   shift 3
   prove "$@" || return 1
@@ -129,7 +130,7 @@ swap() {
     changed+=("$argument")
   done
   [ "${changed[*]}" != "$*" ] || complain "'$*' doesn't hold '$good'"
-  beside refuse "$code" "$bad" "${changed[@]}"
+  refuse "$code" "$bad" "${changed[@]}"
 }
 
 # small_disk SIZE: mounts one at ./disk, or skips the test.
@@ -143,7 +144,7 @@ json() { node -p 'const r = JSON.parse(require("fs").readFileSync(process.argv[1
 
 # dump FILE CHANNELS [SCALE]: a line 'x y value...' per pixel of an EXR or PNG file,
 # read without stylut's or anybody's image library; with SCALE (255, 65535) the
-# integers of the file.
+# integers of the file; with 'count' only how many values of a channel aren't 0.
 dump() { node -e "$pixel_reader" "$@"; }
 # shellcheck disable=SC2016 # it is JavaScript
 pixel_reader='
@@ -154,6 +155,10 @@ const planes = wanted.split(",").map(name => {
   if (!image.planes[name]) throw new Error(`${file} has no channel ${name}`)
   return image.planes[name]
 })
+if (scale === "count") {
+  console.log(planes[0].reduce((sum, v) => sum + (v !== 0), 0))
+  process.exit()
+}
 const show = v => scale ? Math.floor(v * scale + 0.5) : Number.isFinite(v) ? v.toFixed(9) : v > 0 ? "inf" : v < 0 ? "-inf" : "nan"
 const lines = []
 for (let y = 0, i = 0; y < image.height; y++)
@@ -236,11 +241,11 @@ expect_near() {
   }' || complain "$1: found '$2', expected '$3' within $4"
 }
 
-# need_data FILE...: skips the test unless the shared data have them.
+# need_data FILE...: skips the test unless STYLUT_DATA has them.
 need_data() {
   local file
   for file in "$@"; do
-    [ -e "$shared_data/$file" ] || skip "no shared data: ../shared/data/$file"
+    [ -e "$data/$file" ] || skip "no $file: STYLUT_DATA names no folder that has it"
   done
 }
 

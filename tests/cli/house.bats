@@ -139,10 +139,10 @@ EOF
 }
 
 # A command that takes a while, so that there is progress to show.
-long_work=(lut long.exr -s 512 -e brute -o out.exr)
+long_work=(lut long.exr -s 300 -e brute -o out.exr)
 
 @test "progress: silent in a pipe, a bar on a terminal, lines of JSON when asked for" {
-  accept guide sphere -s 64 -o long.exr
+  accept guide sphere -s 50 -o long.exr
   accept "${long_work[@]}"
   accept "${long_work[@]}" --progress none
   "$STYLUT" "${long_work[@]}" --progress json >/dev/null 2>progress.txt
@@ -155,7 +155,7 @@ long_work=(lut long.exr -s 512 -e brute -o out.exr)
   script -qec "'$STYLUT' ${long_work[*]}" /dev/null </dev/null >terminal.txt 2>&1
   expect_match 'bar on a terminal' "$(tr '\r' '\n' <terminal.txt)" 'searching +\[#+\.*\] +[0-9]+ %'
   # The bar is wiped before the report.
-  [[ $(cat terminal.txt) == *$'\e[K'*'out.exr: 512x512'* ]] || complain "the bar isn't wiped before the report"
+  [[ $(cat terminal.txt) == *$'\e[K'*'out.exr: 300x300'* ]] || complain "the bar isn't wiped before the report"
   script -qec "'$STYLUT' ${long_work[*]} -q" /dev/null </dev/null >terminal.txt 2>&1
   expect 'quiet on a terminal' "$(cat terminal.txt)" ''
   script -qec "'$STYLUT' ${long_work[*]} --progress none -q" /dev/null </dev/null >terminal.txt 2>&1

@@ -46,8 +46,8 @@ same_tables() {
 
 @test "engines give the same bytes: painters' guides" {
   need_data unity-plugin/s_normals.png frames/golem.001.png
-  same_tables "$shared_data/unity-plugin/s_normals.png" 24 flann-single auto
-  same_tables "$shared_data/frames/golem.001.png" 16 flann-single auto
+  same_tables "$data/unity-plugin/s_normals.png" 24 flann-single auto
+  same_tables "$data/frames/golem.001.png" 16 flann-single auto
 }
 
 @test "the table is what an independent search finds" {
@@ -115,11 +115,13 @@ same_tables() {
   expect rg8 "$(dump rg8.png R,G 255)" "$(dump f32.exr u,v | awk '{ printf "%d %d %d %d\n", $1, $2, $3 * 255 + 0.5, $4 * 255 + 0.5 }')"
   # All of them read back as the same table: a source of 40 pixels fits a byte.
   accept check f32.exr --guide sphere.exr
-  local text=$output
-  for encoding in rg16 rg8x2 rg8; do
-    accept check $encoding.png --guide sphere.exr
-    expect "audit of $encoding" "$output" "$text"
-  done
+  audit=$output
+  for encoding in rg16 rg8x2 rg8; do beside same_audit $encoding; done
+  wait
+}
+same_audit() {
+  accept check "$1.png" --guide sphere.exr
+  expect "audit of $1" "$output" "$audit"
 }
 
 @test "a table says what it is" {

@@ -28,8 +28,8 @@ static const double wanted_difference = 1; /* 8-bit levels */
 static char folder[512];
 
 static void find_data(void) {
-  const char *root = getenv("STYLUT_ROOT");
-  snprintf(folder, sizeof folder, "%s/../shared/data/reference", root ? root : ".");
+  const char *data = getenv("STYLUT_DATA");
+  snprintf(folder, sizeof folder, "%s/reference", data ? data : ".");
 }
 
 /* RGBA bytes of a square picture, its last row first if `flip`. */
@@ -180,7 +180,7 @@ static void test_field_equals_the_demos(void **state) {
   (void)state;
   find_data();
   if (access(folder, R_OK) != 0) {
-    print_message("no %s: skipped\n", folder);
+    print_message("no %s (set STYLUT_DATA): skipped\n", folder);
     skip();
   }
   uint8_t *target = read_bytes("target_normals_1024.png", FRAME, true),
