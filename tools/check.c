@@ -82,6 +82,7 @@ static StyStatus audit(const Arguments *arguments, StyAudit *out, StyError *erro
   if (!status) {
     const StyLutHints hints = {guide->width, guide->height, -1};
     status = read_lut(arguments->lut, &hints, &lut, error);
+    if (status) sty_fail(error, status, "%s (its guide being %s)", error->text, arguments->guide);
   }
   if (!status) status = sty_collect_sites(arguments->guide, guide, &sites, error);
   if (!status) status = sty_find_engine("engine", "auto", &engine, error);

@@ -92,6 +92,7 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
 static StyStatus check_output(Arguments *arguments) {
   StyImageFormat format = STY_IMAGE_EXR;
   StyStatus status = require_output(&arguments->options);
+  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->mesh, 1);
   if (!status) status = sty_get_image_format(arguments->options.output, &format, &arguments->options.error);
   if (!status && format == STY_IMAGE_PNG && !(arguments->groups & STY_GUIDE_NORMAL))
     status = sty_fail(&arguments->options.error, STY_ERROR_USAGE,

@@ -118,7 +118,7 @@ static void print_bundle(const char *path, const StyLoadedBundle *loaded) {
     if (sty_get_style(&loaded->bundle, (int)i + 1, &p)) continue;
     const char *name = json_string_value(json_object_get(style, "name"));
     printf("  style %zu '%s': threshold %d, top level %d, radius %d, depth tolerance %g, %s table\n", i + 1,
-           name ? name : "", p.threshold, p.top_level, p.radius, (double)p.depth_tolerance,
+           clean_text(name ? name : ""), p.threshold, p.top_level, p.radius, (double)p.depth_tolerance,
            p.flags & STY_FLAG_UNORM8 ? "unorm8" : "centre");
   }
 }

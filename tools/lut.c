@@ -37,6 +37,7 @@ static StyStatus check_arguments(Arguments *arguments) {
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
   if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
   if (!status) status = require_output(&arguments->options);
+  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
   StyImageFormat format = STY_IMAGE_EXR;
   if (!status) status = sty_get_image_format(arguments->options.output, &format, error);
   if (status) return status;
@@ -161,6 +162,7 @@ static StyStatus run(Arguments *arguments) {
     status =
         sty_build_lut(sites, arguments->engine, arguments->size, (StySampling)arguments->sampling, &job, &lut, error);
     end_progress(&arguments->options);
+    if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
   }
   const double built = get_milliseconds();
   if (!status) {

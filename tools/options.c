@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -160,6 +161,17 @@ static StyStatus explain_option(const struct argp *argp, const char *program, co
   return sty_fail(error, STY_ERROR_USAGE, "found '%s', expected an option that '%s --help' lists", given, program);
 }
 
+/* "--output" for "-o", "--output=" and "--output". */
+static void get_long_name(const struct argp *argp, const char *given, char *out, size_t size) {
+  const struct argp *groups[] = {argp, &common_argp, &output_argp, &seed_argp};
+  snprintf(out, size, "%.*s", (int)strcspn(given, "="), given);
+  if (given[0] != '-' || given[1] == '-') return;
+  for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
+    const struct argp_option *option = find_option(groups[g], given[1]);
+    if (option) snprintf(out, size, "--%s", option->name);
+  }
+}
+
 StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *arguments) {
   Options *options = arguments;
   /* Told to keep its own messages to itself, argp keeps its help to itself too. */
@@ -167,10 +179,13 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
     const bool help = strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-?") == 0;
     const bool usage = strcmp(argv[i], "--usage") == 0;
     const size_t length = strlen(argv[i]);
-    if (length == 0 || (argv[i][0] == '-' && argv[i][length - 1] == '='))
+    if (length == 0 || (argv[i][0] == '-' && argv[i][length - 1] == '=')) {
+      char name[64];
+      get_long_name(argp, length ? argv[i] : argv[i - 1], name, sizeof name);
       return sty_fail(&options->error, STY_ERROR_USAGE,
                       "%s '%s': found an empty value, expected one that says something",
-                      i > 1 || length ? "option" : "argument", length ? argv[i] : argv[i - 1]);
+                      name[0] == '-' ? "option" : "argument after", name);
+    }
     if (!help && !usage) continue;
     argp_help(argp, stdout, help ? ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC : ARGP_HELP_USAGE, argv[0]);
     options->helped = true;
@@ -195,6 +210,16 @@ StyStatus require_argument(Options *options, const char *argument, const char *e
 StyStatus require_output(Options *options) {
   if (options->output) return STY_OK;
   return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");
+}
+
+StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count) {
+  struct stat written, read;
+  if (!output || stat(output, &written) != 0) return STY_OK;
+  for (int i = 0; i < count; i++)
+    if (inputs[i] && stat(inputs[i], &read) == 0 && read.st_dev == written.st_dev && read.st_ino == written.st_ino)
+      return sty_fail(&options->error, STY_ERROR_USAGE,
+                      "option '--output': found %s, which is an input, expected another name", output);
+  return STY_OK;
 }
 
 StyStatus finish_command(Options *options, StyStatus status) {

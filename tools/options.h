@@ -52,6 +52,9 @@ StyStatus require_argument(Options *options, const char *argument, const char *e
 /* "-o FILE is missing" for commands that write. */
 StyStatus require_output(Options *options);
 
+/* Refuses to write over what is read. Inputs may be NULL. */
+StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count);
+
 /* Prints the line for a failed command and frees what Options hold. */
 StyStatus finish_command(Options *options, StyStatus status);
 

@@ -129,7 +129,7 @@ static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest
   const StyEngine *engine = NULL;
   StySites *sites = NULL;
   StyStatus status = sty_find_engine("engine", style->lut_engine, &engine, error);
-  if (!status) status = sty_collect_sites(style->guide, guide, &sites, error);
+  if (!status) status = sty_collect_sites(style->exemplar, guide, &sites, error);
   const StyRun run = {.threads = arguments->options.threads};
   if (!status)
     status =
@@ -154,6 +154,23 @@ static bool same_source(const StyManifestStyle *a, const StyManifestStyle *b) {
   return strcmp(a->lut_engine, b->lut_engine) == 0 && a->lut_size == b->lut_size && same_sampling;
 }
 
+/* Whether there is paint on a pixel of an exemplar; less is a hole that no
+ * surface should be given. */
+static bool has_paint(const uint8_t *exemplar, size_t pixel) { return exemplar[4 * pixel + 3] >= 128; }
+
+static void uncover_unpainted(const uint8_t *exemplar, StyImage *guide) {
+  float *covered = sty_find_channel(guide, "A");
+  for (size_t i = 0; i < sty_count_pixels(guide); i++)
+    if (!has_paint(exemplar, i)) covered[i] = 0;
+}
+
+static bool same_paint(const Textures *a, const Textures *b) {
+  const size_t pixels = (size_t)a->width * (size_t)a->height;
+  for (size_t i = 0; i < pixels; i++)
+    if (has_paint(a->exemplar, i) != has_paint(b->exemplar, i)) return false;
+  return true;
+}
+
 /* Fills guide and LUT of `textures`, whose exemplar is there. */
 static StyStatus prepare_source(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
                                 Textures *textures, StyError *error) {
@@ -161,6 +178,7 @@ static StyStatus prepare_source(const Arguments *arguments, const StyManifest *m
   StyLut *lut = NULL;
   const size_t pixels = (size_t)textures->width * (size_t)textures->height;
   StyStatus status = get_guide(manifest, style, textures->width, textures->height, &guide, error);
+  if (!status) uncover_unpainted(textures->exemplar, guide);
   if (!status) status = get_lut(arguments, manifest, style, guide, &lut, error);
   if (!status) {
     textures->lut_size = lut->size;
@@ -193,7 +211,7 @@ static StyStatus prepare_style(const Arguments *arguments, const StyManifest *ma
     status = sty_fail(error, STY_ERROR_INPUT,
                       "found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a bundle",
                       before->exemplar, textures->width, textures->height, style->exemplar, next.width, next.height);
-  if (!status && before && same_source(before, style)) {
+  if (!status && before && same_source(before, style) && same_paint(textures, &next)) {
     next.guide = textures->guide;
     next.lut = textures->lut;
     next.lut_size = textures->lut_size;

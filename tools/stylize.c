@@ -52,6 +52,7 @@ static StyStatus check_arguments(Arguments *arguments) {
   const char *const paths[] = {arguments->options.output, arguments->nnf, arguments->chunks};
   for (int i = 0; !status && i < 3; i++)
     if (paths[i]) status = check_picture(options[i], paths[i], paths, error);
+  for (int i = 0; !status && i < 3; i++) status = protect_inputs(&arguments->options, paths[i], &arguments->guide, 1);
   return status;
 }
 

@@ -29,7 +29,8 @@ static const struct argp parser = {
     .parser = parse_option,
     .args_doc = "BUNDLE",
     .doc =
-        "Verifies a bundle: index, lengths, SHA-256, KTX2 headers, parameters. Exit code 3 when anything is wrong.\v"
+        "Verifies a bundle: index, lengths, SHA-256, KTX2 headers, parameters. Exit code 3 when anything is wrong, 2 "
+        "when a file is missing.\v"
         "Findings carry permanent numbers: B1 index, B2 missing file, B3 length, B4 hash, B5 texture, B6 textures "
         "that don't fit each other, B7 parameters, B8 number of styles; a warning: B9 table entries on the "
         "background.",

@@ -59,6 +59,7 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
  * of the picture: *image is replaced.
  * - Channels named normal.* are taken as they are; without A every pixel whose
  *   normal isn't zero is covered.
+ * A keeps the values it has above 0, at most 1: they become the picture's alpha.
  * - Otherwise R, G, B of an 8- or 16-bit file hold n/2+1/2 (Y up), and A, where
  *   there is one, covers where it is above 0; without alpha, black is background.
  * `name` is for messages. STY_ERROR_INPUT: no normals, or a covered pixel

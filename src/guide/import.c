@@ -62,7 +62,7 @@ static StyStatus decode_pixels(const char *name, const Source *source, StyImage 
   for (int k = 0; k < 3; k++) normals[k] = sty_find_channel(guide, NORMALS[k]);
   for (size_t i = 0; i < count; i++) {
     if (!is_covered(source, i)) continue;
-    coverage[i] = 1;
+    coverage[i] = source->alpha ? fminf(source->alpha[i], 1) : 1; /* kept: it becomes the picture's alpha */
     for (int k = 0; k < 3; k++) {
       normals[k][i] = decode_normal(source, source->planes[k][i]);
       if (isfinite(normals[k][i])) continue;

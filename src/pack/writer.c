@@ -28,7 +28,7 @@ static bool is_bundle_file(const char *name) {
   return known;
 }
 
-/* A folder we may replace holds a bundle's files and nothing else. */
+/* A folder we may replace is empty, or holds a bundle's files and nothing else. */
 static StyStatus check_target(const char *path, StyError *error) {
   struct stat info;
   if (lstat(path, &info) != 0) return STY_OK;
@@ -38,13 +38,23 @@ static StyStatus check_target(const char *path, StyError *error) {
                     "%s: found a file or a folder that can't be read, expected a new name or a bundle to replace",
                     path);
   StyStatus status = STY_OK;
+  bool any = false, has_index = false;
   for (const struct dirent *entry; !status && (entry = readdir(folder));) {
     const char *name = entry->d_name;
-    if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 && !is_bundle_file(name))
+    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) continue;
+    const bool ours =
+        is_bundle_file(name) && fstatat(dirfd(folder), name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode);
+    any = true;
+    has_index = has_index || strcmp(name, STY_BUNDLE_INDEX) == 0;
+    if (!ours)
       status = sty_fail(error, STY_ERROR_FILE,
                         "%s: found '%s' in the folder, expected a new name or a bundle to replace", path, name);
   }
   closedir(folder);
+  if (!status && any && !has_index)
+    status = sty_fail(
+        error, STY_ERROR_FILE,
+        "%s: found files but no " STY_BUNDLE_INDEX " in the folder, expected a new name or a bundle to replace", path);
   return status;
 }
 

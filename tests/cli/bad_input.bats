@@ -975,3 +975,12 @@ flip() { perl -e 'open my $f, "+<:raw", $ARGV[0] or die; seek $f, $ARGV[1], 0; r
   done
   refuse_bundle 3 67 ktx2
 }
+
+@test "an input is never written over" {
+  bring guide.exr
+  cp guide.exr own.exr
+  cp guide.exr copy.exr
+  refuse 1 --output lut own.exr -o own.exr
+  refuse 1 --output lut own.exr -o ./own.exr
+  expect_same own.exr copy.exr
+}

@@ -200,7 +200,7 @@ same_audit() {
   said=$("$STYLUT" check t.exr --guide sphere.exr $(budgets 0.999 | sed 's/--min-coverage.*/--min-coverage 1/') 2>&1 >/dev/null) || status=$?
   expect 'exit of a failed check' $status 6
   for option in --max-mean --max-p99 --max-error; do
-    expect "lines about $option" "$(grep -c "^stylut: check failed: t.exr: $option: found .*, expected at most " <<<"$said")" 1
+    expect "lines about $option" "$(grep -c "^stylut: error: t.exr: $option: found .*, expected at most " <<<"$said")" 1
   done
   expect 'lines in all' "$(grep -c . <<<"$said")" $((3 + $(json - 'r.coverage < 1 ? 1 : 0' <<<"$report")))
   for option in '--max-mean 0' '--max-p99 0' '--max-error 0'; do
@@ -220,7 +220,7 @@ same_audit() {
   status=0
   said=$("$STYLUT" check h.exr --guide half.exr --min-coverage 0.9 2>&1 >/dev/null) || status=$?
   expect 'exit of --min-coverage' $status 6
-  expect_match 'line of --min-coverage' "$said" '^stylut: check failed: h.exr: --min-coverage: found 0\.[0-9]+, expected at least 0.9$'
+  expect_match 'line of --min-coverage' "$said" '^stylut: error: h.exr: --min-coverage: found 0\.[0-9]+, expected at least 0.9$'
 }
 
 @test "check finds a table that is wrong" {
