@@ -36,7 +36,7 @@ static void expect_exact_integers(int bits, int top) {
   assert_int_equal(image->channel_count, 4);
   for (int b = 0; b <= top; b++) {
     const float expected = b % 2 ? (float)(2 * b - top) / (float)top : 0;
-    assert_true(sty_find_channel(image, "A")[b] == (float)(b % 2));
+    assert_true(sty_find_channel(image, "A")[b] == (b % 2 ? 1.0f / (float)top : 0));
     assert_true(sty_find_channel(image, "normal.X")[b] == expected);
     assert_true(sty_find_channel(image, "normal.Z")[b] == expected);
   }
