@@ -181,6 +181,9 @@ StyStatus sty_smooth_corners(StyCorner *corners, size_t triangle_count, double c
     compute_facets(&s, corners);
     list_edges(&s);
     join_smooth_edges(&s);
+    /* Before the sums are touched, so that the two never take room together. */
+    free(s.edges);
+    s.edges = NULL;
     add_facets(&s, corners);
     fill_normals(&s, corners);
   }

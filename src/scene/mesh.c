@@ -428,10 +428,21 @@ static StyStatus share_vertices(StyScene *scene, const StyCorner *corners, StyEr
   return STY_OK;
 }
 
-static StyStatus build_scene(const Import *import, double crease_angle, StyScene *scene, StyError *error) {
+/* Lets go of the importer's copy, which nothing needs once corners are filled. */
+static void release_import(Import *import) {
+  if (import->file) aiReleaseImport(import->file);
+  free(import->frames);
+  free(import->parts);
+  import->file = NULL;
+  import->frames = NULL;
+  import->parts = NULL;
+}
+
+static StyStatus build_scene(Import *import, double crease_angle, StyScene *scene, StyError *error) {
   StyCorner *corners = NULL;
   StyStatus status = measure_scene(import, scene, error);
   if (status == STY_OK) status = fill_corners(import, scene, &corners, error);
+  release_import(import);
   if (status == STY_OK && lacks_normals(corners, 3 * scene->triangle_count))
     status = sty_smooth_corners(corners, scene->triangle_count, crease_angle, error);
   if (status == STY_OK) status = share_vertices(scene, corners, error);
@@ -451,9 +462,7 @@ StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyScen
   if (status == STY_OK) status = list_parts(&import, error);
   if (status == STY_OK)
     status = build_scene(&import, crease_angle < 0 ? DEFAULT_CREASE_ANGLE : crease_angle, scene, error);
-  if (import.file) aiReleaseImport(import.file);
-  free(import.frames);
-  free(import.parts);
+  release_import(&import);
   if (status == STY_OK)
     *out = scene;
   else
