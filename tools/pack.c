@@ -129,7 +129,9 @@ static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest
   const StyEngine *engine = NULL;
   StySites *sites = NULL;
   StyStatus status = sty_find_engine("engine", style->lut_engine, &engine, error);
-  if (!status) status = sty_collect_sites(style->exemplar, guide, &sites, error);
+  char name[512]; /* only what is covered by both counts */
+  snprintf(name, sizeof name, "%.200s (guide %.200s)", style->exemplar, style->guide);
+  if (!status) status = sty_collect_sites(name, guide, &sites, error);
   const StyRun run = {.threads = arguments->options.threads};
   if (!status)
     status =

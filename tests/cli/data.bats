@@ -68,8 +68,8 @@ write_styles() { # FILE...
 
 @test "sources painted over a guide of their own" {
   need_data unity-plugin/{source_1,source_2,source_3,source_4,s_normals}.png frames/golem.001.png
-  local data=$data/unity-plugin guide=$data/unity-plugin/s_normals.png
-  write_styles "$data"/source_{1,2,3,4}.png >unity.json
+  local unity=$data/unity-plugin guide=$data/unity-plugin/s_normals.png
+  write_styles "$unity"/source_{1,2,3,4}.png >unity.json
   accept pack unity.json -o bundle
   accept validate bundle
   accept lut "$guide" -s 256 --sampling unorm8 -o lut.exr --format json
