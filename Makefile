@@ -72,6 +72,8 @@ USE_RUNTIME = $(BUILD)/use_runtime
 TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
 
 .DELETE_ON_ERROR:
+# Objects of tests and programs are kept, too.
+.SECONDARY:
 
 # What is built and how: when a source goes away or a flag changes, the stamp
 # changes with it, and all that depends on it is made anew.

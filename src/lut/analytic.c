@@ -45,17 +45,19 @@ static StyStatus check_sphere(const StySites *sites, float *deviation, StyError 
 }
 
 /* Rings of pixels around the place (x, y) of a value, until none farther out
- * can be nearer. Mostly the first ring or two do; pixels may be missing at the
+ * can be nearer. The place of a value that lies `gap` outside the disc is its
+ * projection on the rim: a pixel of the disc is then at least as far from the
+ * value as both legs of a right angle say. Mostly the first ring or two do; pixels may be missing at the
  * rim, in holes, or because a lower pixel has the same value. Where a whole
  * region is missing, looking at every site is quicker. */
-static size_t find_site_near(const Job *job, int x, int y, const float g[2]) {
+static size_t find_site_near(const Job *job, int x, int y, float gap, const float g[2]) {
   const int width = job->sites->width, height = job->sites->height;
   const int largest = width > height ? width : height;
   size_t nearest = job->sites->count;
   float best = INFINITY;
   for (int ring = 0;; ring++) {
     const float least = ((float)ring - 0.5f) * 2 / (float)largest - 2 * job->deviation;
-    if (least > 0 && least * least > best) return nearest;
+    if (least > 0 && least * least + gap * gap > best) return nearest;
     if (ring > most_rings) return sty_scan_sites(job->sites, g);
     for (int dy = -ring; dy <= ring; dy++) {
       const int step = abs(dy) == ring || ring == 0 ? 1 : 2 * ring;
@@ -83,10 +85,10 @@ static StyStatus build_row(void *context, long j, StyError *error) {
     sty_get_texel_value(job->lut, i, (int)j, g);
     /* Outside the disc the nearest place is on its rim. */
     const float radius = sqrtf(g[0] * g[0] + g[1] * g[1]);
-    const float pull = radius > 1 ? 1 / radius : 1;
+    const float pull = radius > 1 ? 1 / radius : 1, gap = fmaxf(0, radius - 1 - 2 * job->deviation);
     const int x = (int)((g[0] * pull * 0.5f + 0.5f) * (float)width);
     const int y = (int)((0.5f - g[1] * pull * 0.5f) * (float)height);
-    sty_set_texel(job->lut, i, (int)j, job->sites, find_site_near(job, x, y, g), g);
+    sty_set_texel(job->lut, i, (int)j, job->sites, find_site_near(job, x, y, gap, g), g);
   }
   return STY_OK;
 }
