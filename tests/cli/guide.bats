@@ -122,7 +122,7 @@ check_creature() { # VIEW CAMERA NAME [LEAST-NORMAL.Z]
   expect 'covered pixels' "$covered" "$(awk '$3 == 1' pixels.txt | wc -l)"
   expect_less 'share covered' 0.05 "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')"
   expect_less 'share covered' "$(awk -v c="$covered" 'BEGIN { print c / 96 / 80 }')" 0.8
-  cp pixels.txt "$BATS_TEST_TMPDIR/work/$3.txt"
+  cp pixels.txt "$BATS_TEST_TMPDIR/desk/$3.txt"
 }
 
 @test "scene: the creature from all sides, orthographic and in perspective" {

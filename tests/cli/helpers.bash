@@ -17,8 +17,8 @@ exemplars=$STYLUT_ROOT/exemplars data=${STYLUT_DATA:-none}
 unset MAKEFLAGS MFLAGS MAKEOVERRIDES MAKELEVEL
 
 setup() {
-  mkdir "$BATS_TEST_TMPDIR/work"
-  cd "$BATS_TEST_TMPDIR/work" || return 1
+  mkdir "$BATS_TEST_TMPDIR/desk"
+  cd "$BATS_TEST_TMPDIR/desk" || return 1
 }
 
 teardown() {
