@@ -25,7 +25,7 @@ AR ?= ar
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libomp-dev libcmocka-dev bats pkg-config
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
