@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "inputs.h"
 #include "options.h"
+#include "stylut/audit.h"
 #include "stylut/image_io.h"
 #include "stylut/parse.h"
 
@@ -112,7 +113,6 @@ static void measure_errors(const StyLut *lut, Account *account) {
 
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "build", "write"};
-  const double level = 2.0 / 255.0;
   if (arguments->options.json)
     return print_json(
         json_pack("{s:s, s:s, s:i, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema", "stylut-lut/1", "engine",
@@ -125,7 +125,7 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   printf("%s: %dx%d texels from %zu source pixels, %zu distinct values\n", clean_text(arguments->options.output),
          arguments->size, arguments->size, account->points, account->unique);
   printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
-         account->mean_error / level, account->max_error / level);
+         account->mean_error / STY_LEVEL, account->max_error / STY_LEVEL);
   printf("read %.1f ms, build %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
          account->times[2], get_peak_bytes() / 1e6);
   return STY_OK;
