@@ -122,7 +122,7 @@ static void set_packet_ray(struct RTCRayHit8 *packet, int i, const Ray *ray) {
 typedef struct Hit {
   size_t triangle;
   double corners[3][3]; /* trace space */
-  double normal[3];     /* of the facet, unit length, on the viewer's side */
+  double normal[3];     /* of the facet, any length, on the viewer's side */
   double weights[3];    /* barycentric */
 } Hit;
 
@@ -155,7 +155,6 @@ static Hit get_hit(const Render *render, const Ray *ray, const struct RTCRayHit8
   subtract_vectors(hit.corners[1], hit.corners[0], ab);
   subtract_vectors(hit.corners[2], hit.corners[0], ac);
   cross_vectors(ab, ac, hit.normal);
-  normalize_vector(hit.normal);
   if (dot_vectors(hit.normal, ray->direction) > 0)
     for (int k = 0; k < 3; k++) hit.normal[k] = -hit.normal[k];
   set_weights(&hit, ray, ab, ac, (double)packet->hit.u[i], (double)packet->hit.v[i]);
@@ -170,24 +169,29 @@ static void interpolate_normal(const Render *render, const Hit *hit, double out[
     const float *n = &render->scene->normals[3 * (size_t)render->scene->indices[3 * hit->triangle + (size_t)c]];
     for (int k = 0; k < 3; k++) out[k] += hit->weights[c] * n[k];
   }
-  if (!normalize_vector(out)) memcpy(out, hit->normal, 3 * sizeof *out);
+  if (!normalize_vector(out)) {
+    memcpy(out, hit->normal, 3 * sizeof *out);
+    normalize_vector(out);
+  }
   if (dot_vectors(out, hit->normal) < 0)
     for (int k = 0; k < 3; k++) out[k] = -out[k];
 }
 
 static void bend_to_horizon(const double direction[3], double normal[3]) {
+  if (dot_vectors(normal, direction) <= 0) return;
   double along[3] = {direction[0], direction[1], direction[2]};
   normalize_vector(along);
   const double away = dot_vectors(normal, along);
-  if (away <= 0) return;
   for (int k = 0; k < 3; k++) normal[k] -= away * along[k];
   normalize_vector(normal);
 }
 
 static void shade_normal(const Render *render, const Hit *hit, const Ray *ray, double out[3]) {
   double normal[3];
-  memcpy(normal, hit->normal, sizeof normal);
-  if (!render->options->flat) {
+  if (render->options->flat) {
+    memcpy(normal, hit->normal, sizeof normal);
+    normalize_vector(normal);
+  } else {
     interpolate_normal(render, hit, normal);
     bend_to_horizon(ray->direction, normal);
   }

@@ -149,8 +149,8 @@ static double run_program(const char *const *arguments, const char *output) {
 
 /* ---- the bare ray loop ---- */
 
-/* Order of rays and start of orthographic ones, as in src/guide/trace.c. */
-enum { BLOCK_WIDTH = 4, BLOCK_HEIGHT = 2, TILE = 32 };
+/* Packets, their order and the start of orthographic rays, as in src/guide/trace.c. */
+enum { BLOCK_WIDTH = 4, BLOCK_HEIGHT = 2, BLOCK = BLOCK_WIDTH * BLOCK_HEIGHT, TILE = 32 };
 enum { COLUMNS = (WIDTH + TILE - 1) / TILE, ROWS = (HEIGHT + TILE - 1) / TILE };
 static const double start_slack = 1.0 / 1024;
 
@@ -183,7 +183,7 @@ static void release_bare(Bare *bare) {
   rtcReleaseDevice(bare->device);
 }
 
-static void set_ray(const StyCamera *camera, int x, int y, struct RTCRayHit *out) {
+static void set_ray(const StyCamera *camera, int x, int y, struct RTCRayHit8 *packet, int i) {
   const double s = ((x + 0.5) / WIDTH * 2 - 1) * camera->half_width;
   const double t = (1 - (y + 0.5) / HEIGHT * 2) * camera->half_height;
   double origin[3], direction[3];
@@ -192,26 +192,33 @@ static void set_ray(const StyCamera *camera, int x, int y, struct RTCRayHit *out
     origin[k] = camera->perspective ? camera->eye[k] : camera->eye[k] + film + start_slack * camera->back[k];
     direction[k] = camera->perspective ? film - camera->back[k] : -camera->back[k];
   }
-  out->ray = (struct RTCRay){.org_x = (float)origin[0],
-                             .org_y = (float)origin[1],
-                             .org_z = (float)origin[2],
-                             .dir_x = (float)direction[0],
-                             .dir_y = (float)direction[1],
-                             .dir_z = (float)direction[2],
-                             .tfar = INFINITY,
-                             .mask = ~0u};
-  out->hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  out->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  packet->ray.org_x[i] = (float)origin[0];
+  packet->ray.org_y[i] = (float)origin[1];
+  packet->ray.org_z[i] = (float)origin[2];
+  packet->ray.dir_x[i] = (float)direction[0];
+  packet->ray.dir_y[i] = (float)direction[1];
+  packet->ray.dir_z[i] = (float)direction[2];
+  packet->ray.tnear[i] = 0;
+  packet->ray.tfar[i] = INFINITY;
+  packet->ray.mask[i] = ~0u;
+  packet->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+  packet->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
 }
 
-static void trace_bare_pixel(Bare *bare, long tile, struct RTCIntersectContext *context, int x, int y) {
-  if (x >= WIDTH || y >= HEIGHT) return;
-  struct RTCRayHit ray;
-  set_ray(bare->camera, x, y, &ray);
-  rtcIntersect1(bare->tree, context, &ray);
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
-  bare->sums[tile] += (double)ray.ray.tfar;
-  bare->hits[tile]++;
+static void trace_bare_block(Bare *bare, long tile, struct RTCIntersectContext *context, int x0, int y0) {
+  _Alignas(32) struct RTCRayHit8 packet = {0};
+  _Alignas(32) int valid[BLOCK];
+  for (int i = 0; i < BLOCK; i++) {
+    const int x = x0 + i % BLOCK_WIDTH, y = y0 + i / BLOCK_WIDTH;
+    valid[i] = x < WIDTH && y < HEIGHT ? -1 : 0;
+    set_ray(bare->camera, x, y, &packet, i);
+  }
+  rtcIntersect8(valid, bare->tree, context, &packet);
+  for (int i = 0; i < BLOCK; i++) {
+    if (!valid[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    bare->sums[tile] += (double)packet.ray.tfar[i];
+    bare->hits[tile]++;
+  }
 }
 
 static StyStatus trace_bare_tile(void *context, long tile, StyError *error) {
@@ -220,12 +227,12 @@ static StyStatus trace_bare_tile(void *context, long tile, StyError *error) {
   const int x0 = (int)(tile % COLUMNS) * TILE, y0 = (int)(tile / COLUMNS) * TILE;
   struct RTCIntersectContext rays;
   rtcInitIntersectContext(&rays);
+  rays.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   bare->sums[tile] = 0;
   bare->hits[tile] = 0;
   for (int y = y0; y < y0 + TILE; y += BLOCK_HEIGHT)
     for (int x = x0; x < x0 + TILE; x += BLOCK_WIDTH)
-      for (int i = 0; i < BLOCK_WIDTH * BLOCK_HEIGHT; i++)
-        trace_bare_pixel(bare, tile, &rays, x + i % BLOCK_WIDTH, y + i / BLOCK_WIDTH);
+      trace_bare_block(bare, tile, &rays, x, y);
   return STY_OK;
 }
 
