@@ -31,8 +31,9 @@ STYLE_PACKAGES = clang-format shellcheck
 # ---- configurations ---------------------------------------------------------
 OPTIMIZE_release = -O3
 OPTIMIZE_debug = -O0 -g -DSTY_DEBUG
-OPTIMIZE_sanitize = -O1 -g -DSTY_DEBUG -fsanitize=address,undefined -fno-sanitize-recover=undefined \
-  -fno-omit-frame-pointer
+# vptr would want clang's C++ runtime in programs that the C compiler links.
+OPTIMIZE_sanitize = -O1 -g -DSTY_DEBUG -fsanitize=address,undefined -fno-sanitize=vptr \
+  -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 OPTIMIZE_scalar = -O2 -fno-tree-vectorize
 OPTIMIZE_coverage = -O0 -g --coverage
 ifeq ($(OPTIMIZE_$(config)),)
