@@ -43,8 +43,9 @@ endif
 # A folder per configuration and compiler, so that none ever mixes with another.
 BUILD = build/$(config)$(if $(filter-out gcc,$(CC)),-$(notdir $(CC)))$(if $(filter-out 1,$(CGAL)),-nocgal)
 
-# -ffp-contract=off: the same bytes from every compiler and processor.
-COMMON = $(OPTIMIZE_$(config)) -Wall -Wextra -Wshadow -Wvla -ffp-contract=off -fPIC -Iinclude -Isrc -MMD -MP \
+# -ffp-contract=off: the same bytes from every compiler and processor. Nothing
+# of ours asks libm for errno, which would keep square roots from being vectors.
+COMMON = $(OPTIMIZE_$(config)) -Wall -Wextra -Wshadow -Wvla -ffp-contract=off -fno-math-errno -fPIC -Iinclude -Isrc -MMD -MP \
   -D_GNU_SOURCE -DSTY_VERSION='"$(VERSION)"' -isystem /usr/include/Imath $(if $(filter 1,$(CGAL)),-DSTY_WITH_CGAL)
 CFLAGS_ALL = -std=c11 $(COMMON) -Wstrict-prototypes -Wmissing-prototypes -fopenmp $(CFLAGS)
 CXXFLAGS_ALL = -std=c++17 $(COMMON) -frounding-math $(CXXFLAGS)
@@ -108,6 +109,12 @@ $(LIBRARY): $(call objects,$(LIBRARY_SOURCES))
 $(BUILD)/src/runtime/%.c.o: src/runtime/%.c Makefile $(STAMP)
 	@mkdir -p $(@D)
 	$(CC) $(RUNTIME_CFLAGS) -c -o $@ $<
+
+# One source, several vector units; which runs is decided at run time.
+ifeq ($(shell uname -m),x86_64)
+$(BUILD)/%_avx2.c.o: CFLAGS_ALL += -mavx2
+$(BUILD)/%_avx512.c.o: CFLAGS_ALL += -mavx512f -mavx512bw -mavx512dq -mavx512vl
+endif
 
 $(BUILD)/%.c.o: %.c Makefile $(STAMP)
 	@mkdir -p $(@D)

@@ -14,22 +14,34 @@
 typedef struct Arguments {
   Options options;
   const char *guide;
-  int size;
+  int size, sampling, map, metric; /* the last three are the spec's enums */
   const char *engine_name;
   const StyEngine *engine;
-  int sampling;
+  StyEngineOptions engine_options;
   int encoding; /* a StyEncoding, or -1: by the output's ending */
 } Arguments;
 
-enum { KEY_SAMPLING = 0x200, KEY_ENCODING };
+enum { KEY_SAMPLING = 0x200, KEY_ENCODING, KEY_MAP, KEY_METRIC, KEY_TREES, KEY_CHECKS, KEY_PRECISION };
 
 static const struct argp_option options_table[] = {
     {"size", 's', "N", 0, "texels a side (default: 256)", 0},
-    {"engine", 'e', "NAME", 0, "brute, analytic, flann-single, or auto: the fastest exact one (default: auto)", 0},
+    {"engine", 'e', "NAME", 0,
+     "exact: brute, flann-single, cgal, grid, or auto: the fastest of them; approximate: analytic, flann-forest, "
+     "flann-auto (default: auto)",
+     0},
     {"sampling", KEY_SAMPLING, "KIND", 0,
-     "centre: texels answer for their centres; unorm8: for byte values, exactly (default: centre)", 0},
+     "what texels answer for: centre, their centres; unorm8, byte values, exactly; corner, their lower left corners, as "
+     "StyleBlitUnity's (default: centre)",
+     0},
+    {"map", KEY_MAP, "KIND", 0,
+     "where values stand: xy, or equal-area: every texel covers the same solid angle (default: xy)", 0},
+    {"metric", KEY_METRIC, "KIND", 0, "what nearest means: xy, or angle between normals (default: xy)", 0},
     {"encoding", KEY_ENCODING, "KIND", 0, "f32 (EXR), rg16, rg8x2 or rg8 (PNG) (default: f32 for .exr, rg16 for .png)",
      0},
+    {NULL, 0, NULL, 0, "For the approximate engines:", 0},
+    {"trees", KEY_TREES, "N", 0, "trees of flann-forest, 1 to 64 (default: 4)", 0},
+    {"checks", KEY_CHECKS, "N", 0, "leaves that flann-forest looks at (default: 32)", 0},
+    {"precision", KEY_PRECISION, "SHARE", 0, "exact answers that flann-auto aims at, 0.01 to 1 (default: 0.9)", 0},
     {0},
 };
 
@@ -69,6 +81,19 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_SAMPLING:
       status = sty_parse_choice("--sampling", text, sty_sampling_names, &arguments->sampling, error);
       break;
+    case KEY_MAP: status = sty_parse_choice("--map", text, sty_map_names, &arguments->map, error); break;
+    case KEY_METRIC: status = sty_parse_choice("--metric", text, sty_metric_names, &arguments->metric, error); break;
+    case KEY_TREES:
+      status = sty_parse_integer("--trees", text, 1, 64, &number, error);
+      arguments->engine_options.trees = (int)number;
+      break;
+    case KEY_CHECKS:
+      status = sty_parse_integer("--checks", text, 1, 1000000, &number, error);
+      arguments->engine_options.checks = (int)number;
+      break;
+    case KEY_PRECISION:
+      status = sty_parse_number("--precision", text, 0.01, 1, &arguments->engine_options.precision, error);
+      break;
     case KEY_ENCODING:
       status = sty_parse_choice("--encoding", text, sty_encoding_names, &arguments->encoding, error);
       break;
@@ -98,12 +123,10 @@ typedef struct Account {
 static void measure_errors(const StyLut *lut, Account *account) {
   size_t feasible = 0;
   double sum = 0;
-  for (int j = 0; j < lut->size; j++)
-    for (int i = 0; i < lut->size; i++) {
-      float g[2];
-      sty_get_texel_value(lut, i, j, g);
-      if (g[0] * g[0] + g[1] * g[1] > 1) continue;
-      const double distance = lut->errors[(size_t)j * (size_t)lut->size + (size_t)i];
+  for (int j = 0; j < lut->spec.height; j++)
+    for (int i = 0; i < lut->spec.width; i++) {
+      if (!sty_is_feasible(&lut->spec, i, j)) continue;
+      const double distance = lut->errors[(size_t)j * (size_t)lut->spec.width + (size_t)i];
       feasible++;
       sum += distance;
       if (distance > account->max_error) account->max_error = distance;
@@ -115,9 +138,9 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   static const char *const stages[] = {"read", "build", "write"};
   if (arguments->options.json)
     return print_json(
-        json_pack("{s:s, s:s, s:i, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema", "stylut-lut/1", "engine",
-                  arguments->engine->name, "size", arguments->size, "sampling", sty_sampling_names[arguments->sampling],
-                  "encoding", sty_encoding_names[arguments->encoding], "points", (json_int_t)account->points, "unique",
+        json_pack("{s:s, s:s, s:b, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema", "stylut-lut/1", "engine",
+                  arguments->engine->name, "exact", arguments->engine->exact, "size", arguments->size, "sampling", sty_sampling_names[arguments->sampling],
+                  "map", sty_map_names[arguments->map], "metric", sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points", (json_int_t)account->points, "unique",
                   (json_int_t)account->unique, "mean_distance", account->mean_error, "max_distance", account->max_error,
                   "time_ms", pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes()),
         error);
@@ -148,26 +171,27 @@ static StyStatus run(Arguments *arguments) {
   StyLut *lut = NULL;
   const double start = get_milliseconds();
   StyStatus status = read_guide(arguments->guide, &guide, error);
+  const double read = get_milliseconds();
   if (!status) status = sty_collect_sites(arguments->guide, guide, &sites, error);
   sty_destroy_image(&guide);
-  const double read = get_milliseconds();
   if (!status && arguments->options.dry_run) {
-    status = report_dry_run(&arguments->options, "%dx%d texels from %zu distinct values with engine %s",
+    status = report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s",
                             arguments->size, arguments->size, sites->count, arguments->engine->name);
     sty_destroy_sites(&sites);
     return status;
   }
   if (!status) {
     const StyRun job = begin_progress(&arguments->options, "searching");
-    status =
-        sty_build_lut(sites, arguments->engine, arguments->size, (StySampling)arguments->sampling, &job, &lut, error);
+    const StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
+                             (StyMap)arguments->map, (StyMetric)arguments->metric};
+    status = sty_build_lut(sites, arguments->engine, &arguments->engine_options, &spec, &job, &lut, error);
     end_progress(&arguments->options);
     if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
   }
   const double built = get_milliseconds();
   if (!status) {
-    account.points = sites->point_count;
-    account.unique = sites->count;
+    account.points = sites->count;
+    account.unique = lut->unique;
     measure_errors(lut, &account);
     const double before = get_milliseconds();
     status = write_lut(arguments, lut, error);
@@ -182,7 +206,8 @@ static StyStatus run(Arguments *arguments) {
 }
 
 StyStatus run_lut(int argc, char **argv) {
-  Arguments arguments = {.size = 256, .engine_name = "auto", .encoding = -1};
+  Arguments arguments = {
+      .size = 256, .engine_name = "auto", .engine_options = sty_default_engine_options, .encoding = -1};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

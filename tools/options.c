@@ -144,12 +144,17 @@ void begin_option(int key, const char *argument, const struct argp_state *state)
 
 error_t end_option(StyStatus status) { return status ? EINVAL : 0; }
 
+/* A command's g-th group of shared options, or NULL. */
+static const struct argp *get_group(const struct argp *argp, int g) {
+  return argp->children ? argp->children[g].argp : NULL;
+}
+
 /* argp's own messages come in two lines and in its own words; this is ours. */
 static StyStatus explain_option(const struct argp *argp, const char *program, const char *given, StyError *error) {
-  const struct argp *groups[] = {argp, &common_argp, &output_argp, &seed_argp};
   const size_t length = strcspn(given, "=");
-  for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
-    for (const struct argp_option *o = groups[g]->options; o && (o->name || o->doc); o++) {
+  const struct argp *group = argp;
+  for (int g = 0; group; group = get_group(argp, g++))
+    for (const struct argp_option *o = group->options; o && (o->name || o->doc); o++) {
       const bool is_long = o->name && strncmp(given, "--", 2) == 0 && strlen(o->name) == length - 2 &&
                            strncmp(given + 2, o->name, length - 2) == 0;
       const bool is_short = given[0] == '-' && given[1] != '-' && given[1] == o->key && length == 2;
@@ -163,11 +168,11 @@ static StyStatus explain_option(const struct argp *argp, const char *program, co
 
 /* "--output" for "-o", "--output=" and "--output". */
 static void get_long_name(const struct argp *argp, const char *given, char *out, size_t size) {
-  const struct argp *groups[] = {argp, &common_argp, &output_argp, &seed_argp};
   snprintf(out, size, "%.*s", (int)strcspn(given, "="), given);
   if (given[0] != '-' || given[1] == '-') return;
-  for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
-    const struct argp_option *option = find_option(groups[g], given[1]);
+  const struct argp *group = argp;
+  for (int g = 0; group; group = get_group(argp, g++)) {
+    const struct argp_option *option = find_option(group, given[1]);
     if (option) snprintf(out, size, "--%s", option->name);
   }
 }

@@ -120,10 +120,16 @@ static int get_sampling(const char *name) {
 static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
                          const StyImage *guide, StyLut **out, StyError *error) {
   if (style->lut_file) {
-    const StyLutHints hints = {guide->width, guide->height, get_sampling(style->lut_sampling)};
+    const StyLutHints hints = {guide->width, guide->height, get_sampling(style->lut_sampling), STY_FOREIGN_NONE};
     char *path = sty_join_path(manifest->folder, style->lut_file);
-    const StyStatus status = path ? read_lut(path, &hints, out, error) : sty_fail_memory(error, style->lut_file, 0);
+    StyStatus status = path ? read_lut(path, &hints, out, error) : sty_fail_memory(error, style->lut_file, 0);
     free(path);
+    if (!status && ((*out)->spec.map != STY_MAP_XY || (*out)->spec.sampling == STY_SAMPLE_CORNER)) {
+      status = sty_fail(error, STY_ERROR_INPUT,
+                        "%s: found a LUT of map %s and sampling %s, expected xy and centre or unorm8", style->lut_file,
+                        sty_map_names[(*out)->spec.map], sty_sampling_names[(*out)->spec.sampling]);
+      sty_destroy_lut(out);
+    }
     return status;
   }
   const StyEngine *engine = NULL;
@@ -133,16 +139,17 @@ static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest
   snprintf(name, sizeof name, "%.200s (guide %.200s)", style->exemplar, style->guide);
   if (!status) status = sty_collect_sites(name, guide, &sites, error);
   const StyRun run = {.threads = arguments->options.threads};
-  if (!status)
-    status =
-        sty_build_lut(sites, engine, style->lut_size, (StySampling)get_sampling(style->lut_sampling), &run, out, error);
+  const StyLutSpec spec = {.width = style->lut_size,
+                           .height = style->lut_size,
+                           .sampling = (StySampling)get_sampling(style->lut_sampling)};
+  if (!status) status = sty_build_lut(sites, engine, NULL, &spec, &run, out, error);
   sty_destroy_sites(&sites);
   return status;
 }
 
 static void encode_lut(const StyLut *lut, uint16_t *out) {
   const uint32_t width = (uint32_t)lut->source_width, height = (uint32_t)lut->source_height;
-  for (size_t t = 0; t < (size_t)lut->size * (size_t)lut->size; t++) {
+  for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) {
     out[2 * t] = (uint16_t)sty_encode_coordinate(lut->pixels[t] % width, width, 65535);
     out[2 * t + 1] = (uint16_t)sty_encode_coordinate(lut->pixels[t] / width, height, 65535);
   }
@@ -183,15 +190,15 @@ static StyStatus prepare_source(const Arguments *arguments, const StyManifest *m
   if (!status) uncover_unpainted(textures->exemplar, guide);
   if (!status) status = get_lut(arguments, manifest, style, guide, &lut, error);
   if (!status) {
-    textures->lut_size = lut->size;
+    textures->lut_size = lut->spec.width;
     textures->guide = malloc(4 * pixels);
-    textures->lut = malloc((size_t)lut->size * (size_t)lut->size * 4);
+    textures->lut = malloc(sty_count_texels(&lut->spec) * 4);
     if (!textures->guide || !textures->lut) status = sty_fail_memory(error, style->name, 4.0 * (double)pixels);
   }
   if (!status) status = encode_guide(guide, textures->guide, error);
   if (!status) {
     encode_lut(lut, textures->lut);
-    textures->parameters.flags = lut->sampling == STY_SAMPLE_UNORM8 ? STY_FLAG_UNORM8 : 0;
+    textures->parameters.flags = lut->spec.sampling == STY_SAMPLE_UNORM8 ? STY_FLAG_UNORM8 : 0;
   }
   sty_destroy_image(&guide);
   sty_destroy_lut(&lut);

@@ -1,17 +1,36 @@
 /* Look-up tables: guide value in, nearest source pixel out.
  *
- * A table of size L covers guide values g = (gx, gy), the x and y of a view-space
- * normal, in [-1, 1]^2; row 0 is gy = +1. Where a texel looks:
- *   centre: texel (i, j) answers for gx = (i+1/2)/L*2-1, gy = 1-(j+1/2)/L*2
- *   unorm8: texel (i, j) answers for gx = i/(L-1)*2-1, gy = 1-j/(L-1)*2, so that a
- *           256-texel table answers for every byte value exactly
- * Feasible texels are those with gx^2+gy^2 <= 1; all are filled.
+ * A table covers guide values g = (gx, gy), the x and y of a view-space normal,
+ * in [-1, 1]^2; row 0 is gy = +1. Where texel (i, j) of a table of size L looks
+ * is a place (x, y) of that square (where width and height differ, L is the
+ * width for x and the height for y):
+ *   centre: x = (i+1/2)/L*2-1, y = 1-(j+1/2)/L*2
+ *   unorm8: x = i/(L-1)*2-1, y = 1-j/(L-1)*2, so that a 256-texel table answers
+ *           for every byte value exactly
+ *   corner: x = i/L*2-1, y = (L-1-j)/L*2-1, the texel's lower left corner: what
+ *           StyleBlitUnity's tables were built for; looked up as centre
+ * and which guide value stands there is the map's business:
+ *   xy:         g = (x, y), the seeds' own
+ *   equal-area: g = (x, y) * sqrt(2-x*x-y*y), Lambert's azimuthal map of the
+ *               hemisphere: every texel covers the same solid angle. Places
+ *               outside the disc stand for its rim. With centre only.
+ * Feasible texels are those with gx^2+gy^2 <= 1 (equal-area: x^2+y^2 <= 1); all
+ * are filled.
  *
- * Exact means that for every texel the distance
- *   (gx-px)*(gx-px) + (gy-py)*(gy-py)   in float, without contraction
- * equals the minimum over all source pixels, and that of several pixels at the
- * minimum the lowest in row-major order is taken. All exact engines therefore
- * give the same bytes, on any number of threads. */
+ * Nearest is by a metric:
+ *   xy:    Euclid on (gx, gy)
+ *   angle: Euclid on the unit normals (gx, gy, sqrt(1-gx^2-gy^2)), which grows
+ *          with the angle between them. Values outside the disc are first
+ *          shortened to its rim.
+ *
+ * Exact means that for every texel the squared distance
+ *   (gx-px)*(gx-px) + (gy-py)*(gy-py) [+ (gz-pz)*(gz-pz)]
+ * in float, without contraction, equals the minimum over all source pixels, and
+ * that of several pixels at the minimum the lowest in row-major order is taken.
+ * Where every value of the guide is an 8-bit level, 2*b/255-1, the table is
+ * square, and map and metric are xy, the same is computed in integers, since rounding would otherwise decide
+ * between pixels that are equally near. All exact engines therefore give the
+ * same bytes, on any number of threads and any processor. */
 #ifndef STYLUT_LUT_H
 #define STYLUT_LUT_H
 
@@ -27,13 +46,13 @@ extern "C" {
 
 #define STY_MAX_LUT_SIZE 8192
 
-/* The guide's values, duplicates collapsed: what engines search. */
+/* The values of a guide's covered pixels: what engines search. */
 typedef struct StySites {
-  int width, height;  /* of the source guide, pixels */
-  size_t point_count; /* covered pixels */
-  size_t count;       /* distinct values */
-  float *values;      /* gx, gy of each; in ascending order of `pixels` */
-  uint32_t *pixels;   /* row-major index of the lowest pixel with this value */
+  int width, height; /* of the source guide, pixels */
+  size_t count;      /* covered pixels */
+  float *values;     /* gx, gy of each */
+  uint32_t *pixels;  /* row-major index of each, ascending */
+  uint8_t *levels;   /* the two bytes of each value, or NULL where some value isn't an 8-bit level */
 } StySites;
 
 /* Collects the covered pixels of a guide (channels A, normal.X, normal.Y; see
@@ -43,35 +62,60 @@ typedef struct StySites {
 StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error);
 void sty_destroy_sites(StySites **sites);
 
-typedef enum StySampling { STY_SAMPLE_CENTRE, STY_SAMPLE_UNORM8 } StySampling;
-extern const char *const sty_sampling_names[]; /* NULL-terminated, in the enum's order */
+typedef enum StySampling { STY_SAMPLE_CENTRE, STY_SAMPLE_UNORM8, STY_SAMPLE_CORNER } StySampling;
+typedef enum StyMap { STY_MAP_XY, STY_MAP_EQUAL_AREA } StyMap;
+typedef enum StyMetric { STY_METRIC_XY, STY_METRIC_ANGLE } StyMetric;
+/* Names in the enums' order, NULL-terminated. */
+extern const char *const sty_sampling_names[], *const sty_map_names[], *const sty_metric_names[];
+
+/* What a table is to be. Ours are square; those of other tools need not be. */
+typedef struct StyLutSpec {
+  int width, height; /* texels */
+  StySampling sampling;
+  StyMap map;
+  StyMetric metric;
+} StyLutSpec;
 
 typedef struct StyLut {
-  int size;
-  StySampling sampling;
+  StyLutSpec spec;
   int source_width, source_height; /* pixels */
+  size_t unique;                   /* distinct source values that were searched; 0 where not known */
   uint32_t *pixels;                /* per texel, row-major: index of the source pixel, y*source_width + x */
-  float *errors;                   /* per texel: guide distance to that pixel's value, in units of g */
+  float *errors;                   /* per texel: distance to that pixel's value by the metric */
 } StyLut;
 
-/* Sizes run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others give STY_ERROR_USAGE. */
-StyStatus sty_create_lut(int size, StySampling sampling, int source_width, int source_height, StyLut **out,
-                         StyError *error);
+/* An empty table. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
+ * equal-area with another sampling than centre, give STY_ERROR_USAGE. */
+StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error);
 void sty_destroy_lut(StyLut **lut);
 
+static inline size_t sty_count_texels(const StyLutSpec *spec) { return (size_t)spec->width * (size_t)spec->height; }
+
 /* The guide value (g[0], g[1]) that texel (i, j) answers for. */
-void sty_get_texel_value(const StyLut *lut, int i, int j, float g[2]);
+void sty_get_texel_value(const StyLutSpec *spec, int i, int j, float g[2]);
+
+/* Whether texel (i, j) is feasible. */
+bool sty_is_feasible(const StyLutSpec *spec, int i, int j);
 
 /* The texel (t[0], t[1]) that answers for a guide value; values outside
- * [-1, 1] are clamped. */
-void sty_find_texel(const StyLut *lut, const float g[2], int t[2]);
+ * the disc or square that the map covers are clamped. */
+void sty_find_texel(const StyLutSpec *spec, const float g[2], int t[2]);
+
+/* What only some engines heed. */
+typedef struct StyEngineOptions {
+  int trees;        /* flann-forest: 1 to 64 */
+  int checks;       /* flann-forest: leaves looked at, 1 and up */
+  double precision; /* flann-auto: share of exact answers aimed at, above 0 to 1 */
+} StyEngineOptions;
+extern const StyEngineOptions sty_default_engine_options; /* 4 trees, 32 checks, 0.9 */
 
 typedef struct StyEngine {
   const char *name;
   const char *summary; /* for --help */
   bool exact;
-  /* Fills pixels and errors of *lut; `sites` aren't empty. */
-  StyStatus (*build)(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error);
+  /* Fills pixels, errors and unique of *lut; `sites` aren't empty. */
+  StyStatus (*build)(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                     StyError *error);
 } StyEngine;
 
 /* All engines; the last has a NULL name. The first is the reference. */
@@ -80,9 +124,10 @@ extern const StyEngine sty_engines[];
 /* By name; "auto" takes the fastest exact one. STY_ERROR_USAGE lists the names. */
 StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error);
 
-/* Builds a table; the caller owns it. */
-StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, int size, StySampling sampling,
-                        const StyRun *run, StyLut **out, StyError *error);
+/* Builds a table; the caller owns it. `options` may be NULL: the defaults.
+ * STY_ERROR_UNAVAILABLE: an engine that this build goes without. */
+StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
+                        const StyLutSpec *spec, const StyRun *run, StyLut **out, StyError *error);
 
 /* How a table is stored. With u = (x+1/2)/W, v = (y+1/2)/H of the source pixel:
  *   f32    float channels u, v, error (EXR)
@@ -102,16 +147,27 @@ uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum);
 /* The table as an image to be written, with attributes that say what it is. */
 StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out, StyError *error);
 
+/* How tables of other tools are to be read. */
+typedef enum StyForeign {
+  STY_FOREIGN_NONE, /* by the file's own attributes */
+  STY_FOREIGN_UNITY, /* StyleBlitUnity's: rg8, v counted from the bottom, sampling corner, any proportions */
+  STY_FOREIGN_RG8,
+  STY_FOREIGN_RG16,
+  STY_FOREIGN_RG8X2
+} StyForeign;
+extern const char *const sty_foreign_names[]; /* "stylut", "unity", "rg8", "rg16", "rg8x2", NULL */
+
 /* What isn't said in a table's own attributes. */
 typedef struct StyLutHints {
   int source_width, source_height; /* 0: unknown */
   int sampling;                    /* a StySampling, or -1: unknown (centre is assumed) */
+  StyForeign foreign;              /* overrules what the file says of itself */
 } StyLutHints;
 
-/* An image back into a table. Tables of other tools carry no attributes: then
- * 16-bit pictures are rg16, float ones with channels u and v are f32, and the
- * source size must come from the hints. `errors` stays zero where the encoding
- * has none. STY_ERROR_INPUT names the first bad texel. */
+/* An image back into a table. Without attributes and hints 16-bit pictures are
+ * rg16 and float ones with channels u and v are f32; the source size must come
+ * from one of them. Only STY_FOREIGN_UNITY need not be square. `errors` stays
+ * zero where the encoding has none. STY_ERROR_INPUT names the first bad texel. */
 StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHints *hints, StyLut **out,
                          StyError *error);
 

@@ -44,6 +44,18 @@ static StyStatus check_sphere(const StySites *sites, float *deviation, StyError 
   return STY_OK;
 }
 
+static float measure_site(const StySites *sites, size_t site, const float g[2]) {
+  return sty_square_distance(2, g, sites->values + 2 * site);
+}
+
+/* Sites ascend by pixel: the first at the minimum is the lowest. */
+static size_t scan_sites(const StySites *sites, const float g[2]) {
+  size_t nearest = 0;
+  for (size_t s = 1; s < sites->count; s++)
+    if (measure_site(sites, s, g) < measure_site(sites, nearest, g)) nearest = s;
+  return nearest;
+}
+
 /* Rings of pixels around the place (x, y) of a value, until none farther out
  * can be nearer. The place of a value that lies `gap` outside the disc is its
  * projection on the rim: a pixel of the disc is then at least as far from the
@@ -58,7 +70,7 @@ static size_t find_site_near(const Job *job, int x, int y, float gap, const floa
   for (int ring = 0;; ring++) {
     const float least = ((float)ring - 0.5f) * 2 / (float)largest - 2 * job->deviation;
     if (least > 0 && least * least + gap * gap > best) return nearest;
-    if (ring > most_rings) return sty_scan_sites(job->sites, g);
+    if (ring > most_rings) return scan_sites(job->sites, g);
     for (int dy = -ring; dy <= ring; dy++) {
       const int step = abs(dy) == ring || ring == 0 ? 1 : 2 * ring;
       for (int dx = -ring; dx <= ring; dx += step) {
@@ -66,7 +78,7 @@ static size_t find_site_near(const Job *job, int x, int y, float gap, const floa
         if (px < 0 || py < 0 || px >= width || py >= height) continue;
         const uint32_t site = job->site_of_pixel[(size_t)py * (size_t)width + (size_t)px];
         if (site == not_covered) continue;
-        const float distance = sty_measure_site(job->sites, site, g);
+        const float distance = measure_site(job->sites, site, g);
         if (distance < best || (distance == best && site < nearest)) {
           best = distance;
           nearest = site;
@@ -79,21 +91,29 @@ static size_t find_site_near(const Job *job, int x, int y, float gap, const floa
 static StyStatus build_row(void *context, long j, StyError *error) {
   (void)error;
   const Job *job = context;
-  const int width = job->sites->width, height = job->sites->height;
-  for (int i = 0; i < job->lut->size; i++) {
+  const StyMeasure measure = {.dims = 2, .unit = 1};
+  const int width = job->sites->width, height = job->sites->height, columns = job->lut->spec.width;
+  for (int i = 0; i < columns; i++) {
     float g[2];
-    sty_get_texel_value(job->lut, i, (int)j, g);
+    sty_get_texel_value(&job->lut->spec, i, (int)j, g);
     /* Outside the disc the nearest place is on its rim. */
     const float radius = sqrtf(g[0] * g[0] + g[1] * g[1]);
     const float pull = radius > 1 ? 1 / radius : 1, gap = fmaxf(0, radius - 1 - 2 * job->deviation);
     const int x = (int)((g[0] * pull * 0.5f + 0.5f) * (float)width);
     const int y = (int)((0.5f - g[1] * pull * 0.5f) * (float)height);
-    sty_set_texel(job->lut, i, (int)j, job->sites, find_site_near(job, x, y, gap, g), g);
+    const size_t site = find_site_near(job, x, y, gap, g);
+    sty_set_texel(job->lut, &measure, (size_t)j * (size_t)columns + (size_t)i, job->sites->pixels[site],
+                  (double)measure_site(job->sites, site, g));
   }
   return STY_OK;
 }
 
-StyStatus sty_build_analytic(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error) {
+StyStatus sty_build_analytic(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                             StyError *error) {
+  (void)options;
+  if (lut->spec.metric != STY_METRIC_XY)
+    return sty_fail(error, STY_ERROR_USAGE, "engine analytic: found metric %s, expected xy",
+                    sty_metric_names[lut->spec.metric]);
   float deviation;
   const StyStatus sphere = check_sphere(sites, &deviation, error);
   if (sphere) return sphere;
@@ -103,7 +123,7 @@ StyStatus sty_build_analytic(const StySites *sites, StyLut *lut, const StyRun *r
   memset(site_of_pixel, 0xff, pixels * sizeof *site_of_pixel);
   for (size_t s = 0; s < sites->count; s++) site_of_pixel[sites->pixels[s]] = (uint32_t)s;
   Job job = {sites, lut, site_of_pixel, deviation};
-  const StyStatus status = sty_parallel_for(run, lut->size, build_row, &job, error);
+  const StyStatus status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);
   free(site_of_pixel);
   return status;
 }

@@ -1,35 +1,70 @@
 #include "lut/engine.h"
 
-size_t sty_scan_sites(const StySites *sites, const float g[2]) {
-  float best = sty_measure_site(sites, 0, g);
+static double scan_levels(const StyPoints *points, const StyQuery *query) {
+  double best = sty_measure_point(points, 0, query);
+  const double scale = points->measure.scale, x = query->steps[0], y = query->steps[1];
+  const uint8_t *levels = points->levels;
 #pragma omp simd reduction(min : best)
-  for (size_t s = 1; s < sites->count; s++) {
-    const float distance = sty_measure_site(sites, s, g);
+  for (size_t p = 1; p < points->count; p++) {
+    const double dx = x - scale * (double)levels[2 * p], dy = y - scale * (double)levels[2 * p + 1];
+    const double distance = dx * dx + dy * dy;
     best = distance < best ? distance : best;
   }
-  /* Sites ascend by pixel: the first at the minimum is the lowest. */
+  return best;
+}
+
+static float scan_values(int dims, const float *values, size_t count, const float *at) {
+  float best = sty_square_distance(dims, at, values);
+#pragma omp simd reduction(min : best)
+  for (size_t p = 1; p < count; p++) {
+    const float distance = sty_square_distance(dims, at, values + (size_t)dims * p);
+    best = distance < best ? distance : best;
+  }
+  return best;
+}
+
+size_t sty_scan_points(const StyPoints *points, const StyQuery *query) {
+  double best;
+  if (points->measure.integer)
+    best = scan_levels(points, query);
+  else if (points->measure.dims == 2)
+    best = (double)scan_values(2, points->values, points->count, query->at);
+  else
+    best = (double)scan_values(3, points->values, points->count, query->at);
+  /* Points ascend by pixel: the first at the minimum is the lowest. */
   size_t nearest = 0;
-  while (sty_measure_site(sites, nearest, g) != best) nearest++;
+  while (sty_measure_point(points, nearest, query) != best) nearest++;
   return nearest;
 }
 
 typedef struct Job {
-  const StySites *sites;
+  const StyPoints *points;
   StyLut *lut;
 } Job;
 
 static StyStatus build_row(void *context, long j, StyError *error) {
   (void)error;
   const Job *job = context;
-  for (int i = 0; i < job->lut->size; i++) {
-    float g[2];
-    sty_get_texel_value(job->lut, i, (int)j, g);
-    sty_set_texel(job->lut, i, (int)j, job->sites, sty_scan_sites(job->sites, g), g);
+  const int width = job->lut->spec.width;
+  for (int i = 0; i < width; i++) {
+    StyQuery query;
+    sty_make_query(&job->points->measure, &job->lut->spec, i, (int)j, &query);
+    const size_t nearest = sty_scan_points(job->points, &query);
+    sty_set_texel(job->lut, &job->points->measure, (size_t)j * (size_t)width + (size_t)i, job->points->pixels[nearest],
+                  sty_measure_point(job->points, nearest, &query));
   }
   return STY_OK;
 }
 
-StyStatus sty_build_brute(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error) {
-  Job job = {sites, lut};
-  return sty_parallel_for(run, lut->size, build_row, &job, error);
+StyStatus sty_build_brute(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                          StyError *error) {
+  (void)options;
+  StyPoints points;
+  StyStatus status = sty_collapse_sites(sites, &lut->spec, &points, error);
+  if (status) return status;
+  lut->unique = points.count;
+  Job job = {&points, lut};
+  status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);
+  sty_free_points(&points);
+  return status;
 }

@@ -5,6 +5,7 @@
 #include "stylut/lut.h"
 #include "stylut/parse.h"
 
+const char *const sty_foreign_names[] = {"stylut", "unity", "rg8", "rg16", "rg8x2", NULL};
 const char *const sty_encoding_names[] = {"f32", "rg16", "rg8x2", "rg8", NULL};
 
 static const uint32_t max16 = 65535, max8 = 255;
@@ -35,8 +36,8 @@ static StyStatus describe_lut(const StyLut *lut, StyEncoding encoding, StyImage 
   snprintf(source, sizeof source, "%dx%d", lut->source_width, lut->source_height);
   const char *const pairs[][2] = {
       {"stylut:kind", "lut"},    {"stylut:encoding", sty_encoding_names[encoding]},
-      {"stylut:source", source}, {"stylut:sampling", sty_sampling_names[lut->sampling]},
-      {"stylut:metric", "xy"},   {"stylut:map", "xy"},
+      {"stylut:source", source}, {"stylut:sampling", sty_sampling_names[lut->spec.sampling]},
+      {"stylut:map", sty_map_names[lut->spec.map]}, {"stylut:metric", sty_metric_names[lut->spec.metric]},
   };
   StyStatus status = STY_OK;
   for (size_t i = 0; !status && i < sizeof pairs / sizeof *pairs; i++)
@@ -49,7 +50,7 @@ StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out
   const bool is_float = encoding == STY_ENCODE_F32;
   const int bits = is_float ? 32 : encoding == STY_ENCODE_RG16 ? 16 : 8;
   StyImage *image = NULL;
-  StyStatus status = sty_create_image(lut->size, lut->size, encoding == STY_ENCODE_RG8X2 ? 4 : 3,
+  StyStatus status = sty_create_image(lut->spec.width, lut->spec.height, encoding == STY_ENCODE_RG8X2 ? 4 : 3,
                                       is_float ? float_names : integer_names, bits, &image, error);
   if (!status) status = describe_lut(lut, encoding, image, error);
   if (status) {
@@ -77,49 +78,62 @@ StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out
 
 /* A table of a kind this version doesn't know must not be taken for another. */
 static StyStatus check_kind(const char *name, const StyImage *image, StyError *error) {
-  static const char *const known[][2] = {{"stylut:kind", "lut"}, {"stylut:metric", "xy"}, {"stylut:map", "xy"}};
-  for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-    const char *text = sty_find_attribute(image, known[i][0]);
-    if (text && strcmp(text, known[i][1]) != 0)
-      return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %s, expected %s", name, known[i][0], text, known[i][1]);
-  }
+  const char *text = sty_find_attribute(image, "stylut:kind");
+  if (text && strcmp(text, "lut") != 0)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found stylut:kind = %s, expected lut", name, text);
   return STY_OK;
 }
 
-/* What kind of table an image is: from its attributes, else from its shape.
- * `facts` holds what the caller knew and receives what the file says. */
-static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncoding *encoding, StyLutHints *facts,
-                               StyError *error) {
-  if (image->width != image->height || image->width > STY_MAX_LUT_SIZE)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a square LUT of at most %d", name,
-                    image->width, image->height, STY_MAX_LUT_SIZE);
-  int choice;
-  StyStatus status = STY_OK;
-  const char *text = sty_find_attribute(image, "stylut:encoding");
-  if (text) {
-    status = sty_parse_choice("stylut:encoding", text, sty_encoding_names, &choice, NULL);
-    *encoding = status ? STY_ENCODE_F32 : (StyEncoding)choice;
-  } else if (image->bits == 32) {
-    *encoding = STY_ENCODE_F32;
-  } else if (image->bits == 16) {
-    *encoding = STY_ENCODE_RG16;
+/* The attribute's place among `names`; *out is left alone where the file doesn't say. */
+static StyStatus read_choice(const char *name, const StyImage *image, const char *attribute, const char *const *names,
+                             int *out, StyError *error) {
+  const char *text = sty_find_attribute(image, attribute);
+  if (!text || !sty_parse_choice(attribute, text, names, out, NULL)) return STY_OK;
+  char known[64] = "";
+  for (int i = 0; names[i]; i++) snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? " or " : "", names[i]);
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %s, expected %s", name, attribute, text, known);
+}
+
+static StyStatus choose_encoding(const char *name, const StyImage *image, StyForeign foreign, StyEncoding *out,
+                                 StyError *error) {
+  static const StyEncoding encodings[] = {[STY_FOREIGN_UNITY] = STY_ENCODE_RG8,
+                                          [STY_FOREIGN_RG8] = STY_ENCODE_RG8,
+                                          [STY_FOREIGN_RG16] = STY_ENCODE_RG16,
+                                          [STY_FOREIGN_RG8X2] = STY_ENCODE_RG8X2};
+  int choice = -1;
+  if (foreign) {
+    choice = (int)encodings[foreign];
   } else {
+    const StyStatus status = read_choice(name, image, "stylut:encoding", sty_encoding_names, &choice, error);
+    if (status) return status;
+  }
+  if (choice < 0 && image->bits == 8)
     return sty_fail(error, STY_ERROR_INPUT,
                     "%s: found an 8-bit picture without a stylut:encoding attribute, expected a LUT that says whether "
                     "it is rg8x2 or rg8",
                     name);
+  *out = choice >= 0 ? (StyEncoding)choice : image->bits == 32 ? STY_ENCODE_F32 : STY_ENCODE_RG16;
+  return STY_OK;
+}
+
+static StyStatus find_sampling(const char *name, const StyImage *image, StyLutHints *facts, StyError *error) {
+  if (facts->foreign == STY_FOREIGN_UNITY) {
+    facts->sampling = STY_SAMPLE_CORNER;
+    return STY_OK;
   }
-  if (status)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found encoding '%s', expected f32, rg16, rg8x2 or rg8", name, text);
-  text = sty_find_attribute(image, "stylut:sampling");
-  if (text && sty_parse_choice("stylut:sampling", text, sty_sampling_names, &choice, NULL))
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found sampling '%s', expected centre or unorm8", name, text);
-  if (text && facts->sampling >= 0 && facts->sampling != choice)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found a LUT of sampling %s, expected %s", name, text,
-                    sty_sampling_names[facts->sampling]);
-  if (text) facts->sampling = choice;
+  int choice = -1;
+  const StyStatus status = read_choice(name, image, "stylut:sampling", sty_sampling_names, &choice, error);
+  if (status) return status;
+  if (choice >= 0 && facts->sampling >= 0 && facts->sampling != choice)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found a LUT of sampling %s, expected %s", name,
+                    sty_sampling_names[choice], sty_sampling_names[facts->sampling]);
+  if (choice >= 0) facts->sampling = choice;
   if (facts->sampling < 0) facts->sampling = STY_SAMPLE_CENTRE;
-  text = sty_find_attribute(image, "stylut:source");
+  return STY_OK;
+}
+
+static StyStatus find_source_size(const char *name, const StyImage *image, StyLutHints *facts, StyError *error) {
+  const char *text = sty_find_attribute(image, "stylut:source");
   if (text) {
     int width, height;
     if (sty_parse_size("stylut:source", text, STY_MAX_SIDE, &width, &height, NULL))
@@ -136,6 +150,20 @@ static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncod
   return STY_OK;
 }
 
+/* What kind of table an image is: from its attributes, else from its shape.
+ * `facts` holds what the caller knew and receives what the file says. */
+static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncoding *encoding, StyLutHints *facts,
+                               StyError *error) {
+  const bool square = image->width == image->height || facts->foreign == STY_FOREIGN_UNITY;
+  if (!square || image->width > STY_MAX_LUT_SIZE || image->height > STY_MAX_LUT_SIZE)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a square LUT of at most %d", name,
+                    image->width, image->height, STY_MAX_LUT_SIZE);
+  StyStatus status = choose_encoding(name, image, facts->foreign, encoding, error);
+  if (!status) status = find_sampling(name, image, facts, error);
+  if (!status) status = find_source_size(name, image, facts, error);
+  return status;
+}
+
 /* The source coordinate of a float texel, or -1. */
 static long unpack_float(float u, int side) {
   if (!(u >= 0 && u <= 1)) return -1;
@@ -144,20 +172,20 @@ static long unpack_float(float u, int side) {
 }
 
 static StyStatus decode_floats(const char *name, const float *u, const float *v, StyLut *lut, StyError *error) {
-  const size_t texels = (size_t)lut->size * (size_t)lut->size;
+  const size_t texels = sty_count_texels(&lut->spec);
   for (size_t t = 0; t < texels; t++) {
     const long x = unpack_float(u[t], lut->source_width), y = unpack_float(v[t], lut->source_height);
     if (x < 0 || y < 0)
       return sty_fail(error, STY_ERROR_INPUT,
                       "%s: found (%g, %g) at texel (%zu, %zu), expected coordinates from 0 to 1", name, (double)u[t],
-                      (double)v[t], t % (size_t)lut->size, t / (size_t)lut->size);
+                      (double)v[t], t % (size_t)lut->spec.width, t / (size_t)lut->spec.width);
     lut->pixels[t] = (uint32_t)(y * lut->source_width + x);
   }
   return STY_OK;
 }
 
-static void decode_integers(const float *const planes[4], StyEncoding encoding, StyLut *lut) {
-  const size_t texels = (size_t)lut->size * (size_t)lut->size;
+static void decode_integers(const float *const planes[4], StyEncoding encoding, bool y_up, StyLut *lut) {
+  const size_t texels = sty_count_texels(&lut->spec);
   const uint32_t width = (uint32_t)lut->source_width, height = (uint32_t)lut->source_height;
   const uint32_t maximum = encoding == STY_ENCODE_RG8 ? max8 : max16;
   const float scale = encoding == STY_ENCODE_RG16 ? 65535.0f : 255.0f;
@@ -167,7 +195,8 @@ static void decode_integers(const float *const planes[4], StyEncoding encoding, 
       u = u << 8 | v;
       v = (uint32_t)lrintf(planes[2][t] * scale) << 8 | (uint32_t)lrintf(planes[3][t] * scale);
     }
-    lut->pixels[t] = sty_decode_coordinate(v, height, maximum) * width + sty_decode_coordinate(u, width, maximum);
+    const uint32_t x = sty_decode_coordinate(u, width, maximum), y = sty_decode_coordinate(v, height, maximum);
+    lut->pixels[t] = (y_up ? height - 1 - y : y) * width + x;
   }
 }
 
@@ -190,16 +219,20 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
   if (!complete)
     return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected a %s LUT", name, image->bits,
                     image->names[0], sty_encoding_names[encoding]);
+  int map = STY_MAP_XY, metric = STY_METRIC_XY;
+  status = read_choice(name, image, "stylut:map", sty_map_names, &map, error);
+  if (!status) status = read_choice(name, image, "stylut:metric", sty_metric_names, &metric, error);
+  if (status) return status;
+  const StyLutSpec spec = {image->width, image->height, (StySampling)facts.sampling, (StyMap)map, (StyMetric)metric};
   StyLut *lut = NULL;
-  status =
-      sty_create_lut(image->width, (StySampling)facts.sampling, facts.source_width, facts.source_height, &lut, error);
+  status = sty_create_lut(&spec, facts.source_width, facts.source_height, &lut, error);
   if (status) return status;
   const float *errors = is_float ? sty_find_channel(image, float_names[2]) : NULL;
   if (errors) memcpy(lut->errors, errors, sty_count_pixels(image) * sizeof *errors);
   if (is_float)
     status = decode_floats(name, planes[0], planes[1], lut, error);
   else
-    decode_integers(planes, encoding, lut);
+    decode_integers(planes, encoding, facts.foreign == STY_FOREIGN_UNITY, lut);
   if (status)
     sty_destroy_lut(&lut);
   else

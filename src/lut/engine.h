@@ -1,23 +1,108 @@
-/* The engines' build functions, for the table in engines.c. */
+/* What the engines share: how distances are measured, the points that library
+ * engines search, the tie rule; and their build functions, for the table in
+ * engines.c. */
 #ifndef STYLUT_SRC_LUT_ENGINE_H
 #define STYLUT_SRC_LUT_ENGINE_H
 
 #include "stylut/lut.h"
 
-StyStatus sty_build_brute(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error);
-StyStatus sty_build_analytic(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error);
-StyStatus sty_build_flann_single(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error);
+StyStatus sty_build_brute(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                          StyError *error);
+StyStatus sty_build_analytic(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                             StyError *error);
+StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
+                                 const StyRun *run, StyError *error);
+StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
+                                 const StyRun *run, StyError *error);
+StyStatus sty_build_flann_auto(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                               StyError *error);
+StyStatus sty_build_cgal(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                         StyError *error);
+StyStatus sty_build_grid(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                         StyError *error);
 
-/* The one distance that all exact engines agree on: squared, in float. */
-static inline float sty_measure_site(const StySites *sites, size_t site, const float g[2]) {
-  const float dx = g[0] - sites->values[2 * site], dy = g[1] - sites->values[2 * site + 1];
+/* ---- the one distance that all exact engines agree on ------------------------- */
+
+/* How distances are measured for a guide and a table. In integers, a texel and
+ * a level are multiples of one fine step: with b the byte, the place of texel i
+ * is `scale * b` + its distance. */
+typedef struct StyMeasure {
+  int dims;     /* of points: 2, or 3 for the metric angle */
+  bool integer; /* levels are compared in integers (held in double, where all of them are exact) */
+  int scale;    /* integer steps per level */
+  double unit;  /* guide units per integer step; 1 for float distances */
+} StyMeasure;
+
+StyMeasure sty_choose_measure(const StySites *sites, const StyLutSpec *spec);
+
+/* A point of the metric's space: for `angle` the third coordinate is added and
+ * values outside the disc are shortened to its rim. */
+void sty_lift(int dims, const float g[2], float out[3]);
+
+/* The third coordinate of a lifted point. */
+float sty_get_height(float x, float y);
+
+typedef struct StyQuery {
+  float at[3];     /* in the metric's space */
+  double steps[2]; /* for integer measures: the texel's place in steps */
+} StyQuery;
+
+void sty_make_query(const StyMeasure *measure, const StyLutSpec *spec, int i, int j, StyQuery *out);
+
+/* Squared, in the shape that lut.h states: rounding depends on it. */
+static inline float sty_square_distance(int dims, const float a[], const float b[]) {
+  const float dx = a[0] - b[0], dy = a[1] - b[1];
+  if (dims == 2) return dx * dx + dy * dy;
+  const float dz = a[2] - b[2];
+  return dx * dx + dy * dy + dz * dz;
+}
+
+/* Writes a texel's answer: the source pixel, and the squared distance measured. */
+void sty_set_texel(StyLut *lut, const StyMeasure *measure, size_t texel, uint32_t pixel, double squared);
+
+/* ---- points ------------------------------------------------------------------- */
+
+/* Sites in the metric's space, each value once: what brute force and the
+ * libraries search. None of them may see the same point a million times. */
+typedef struct StyPoints {
+  StyMeasure measure;
+  size_t count;
+  float *values;    /* measure.dims of each */
+  uint32_t *pixels; /* the lowest with this value, ascending */
+  uint8_t *levels;  /* two of each for integer measures, else NULL */
+} StyPoints;
+
+StyStatus sty_collapse_sites(const StySites *sites, const StyLutSpec *spec, StyPoints *out, StyError *error);
+void sty_free_points(StyPoints *points);
+
+static inline double sty_measure_point(const StyPoints *points, size_t point, const StyQuery *query) {
+  if (!points->measure.integer)
+    return (double)sty_square_distance(points->measure.dims, query->at,
+                                       points->values + (size_t)points->measure.dims * point);
+  const double dx = query->steps[0] - points->measure.scale * (double)points->levels[2 * point];
+  const double dy = query->steps[1] - points->measure.scale * (double)points->levels[2 * point + 1];
   return dx * dx + dy * dy;
 }
 
-/* The nearest site by looking at each; ties go to the lowest pixel. */
-size_t sty_scan_sites(const StySites *sites, const float g[2]);
+/* The nearest point by looking at each; ties go to the lowest pixel. */
+size_t sty_scan_points(const StyPoints *points, const StyQuery *query);
 
-/* Writes the answer for texel (i, j). */
-void sty_set_texel(StyLut *lut, int i, int j, const StySites *sites, size_t site, const float g[2]);
+/* ---- ties --------------------------------------------------------------------- */
+
+/* A library's exact index over points. Which of several equally near ones it
+ * returns is a matter of chance, so the tie rule asks for more of them. Both
+ * functions may be called from several threads at once. */
+typedef struct StySearch {
+  const StyPoints *points;
+  void *index;
+  /* The `count` (at most points->count) nearest, any order; false: the library failed. */
+  bool (*find_nearest)(const struct StySearch *search, const float *at, int count, int *found);
+  /* Up to `most` points within the squared radius, any order: how many, or -1 when the library failed. */
+  int (*find_within)(const struct StySearch *search, const float *at, float squared_radius, int most, int *found);
+} StySearch;
+
+/* Fills the table through a library's index, by the tie rule. `name` is the engine's, for messages. */
+StyStatus sty_search_table(const char *name, const StySearch *search, StyLut *lut, const StyRun *run,
+                           StyError *error);
 
 #endif

@@ -1,4 +1,3 @@
-#include <math.h>
 #include <string.h>
 
 #include "lut/engine.h"
@@ -7,11 +6,19 @@
 const StyEngine sty_engines[] = {
     {"brute", "looks at every source pixel; the reference", true, sty_build_brute},
     {"analytic", "spheres that fill the picture: no search, within half a source pixel", false, sty_build_analytic},
-    {"flann-single", "FLANN's single kd-tree, ties settled as brute settles them", true, sty_build_flann_single},
+    {"flann-single", "FLANN's single kd-tree", true, sty_build_flann_single},
+    {"cgal", "CGAL's kd-tree with sliding midpoints", true, sty_build_cgal},
+    {"flann-forest", "FLANN's randomized forest (--trees, --checks); approximate", false, sty_build_flann_forest},
+    {"flann-auto", "the index that FLANN finds fastest for --precision; approximate, and not the same from run to run",
+     false, sty_build_flann_auto},
+    {"grid", "stylut's own: a distance transform for 8-bit guides, cells and a packed tree for others", true,
+     sty_build_grid},
     {NULL, NULL, false, NULL},
 };
 
-static const char *const fastest_exact = "flann-single";
+static const char *const fastest_exact = "grid";
+
+const StyEngineOptions sty_default_engine_options = {.trees = 4, .checks = 32, .precision = 0.9};
 
 StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error) {
   const char *names[sizeof sty_engines / sizeof *sty_engines + 1] = {"auto"};
@@ -23,18 +30,11 @@ StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **
   return status;
 }
 
-void sty_set_texel(StyLut *lut, int i, int j, const StySites *sites, size_t site, const float g[2]) {
-  const size_t texel = (size_t)j * (size_t)lut->size + (size_t)i;
-  const double dx = (double)g[0] - sites->values[2 * site], dy = (double)g[1] - sites->values[2 * site + 1];
-  lut->pixels[texel] = sites->pixels[site];
-  lut->errors[texel] = (float)sqrt(dx * dx + dy * dy);
-}
-
-StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, int size, StySampling sampling,
-                        const StyRun *run, StyLut **out, StyError *error) {
+StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
+                        const StyLutSpec *spec, const StyRun *run, StyLut **out, StyError *error) {
   StyLut *lut = NULL;
-  StyStatus status = sty_create_lut(size, sampling, sites->width, sites->height, &lut, error);
-  if (!status) status = engine->build(sites, lut, run, error);
+  StyStatus status = sty_create_lut(spec, sites->width, sites->height, &lut, error);
+  if (!status) status = engine->build(sites, options ? options : &sty_default_engine_options, lut, run, error);
   if (status)
     sty_destroy_lut(&lut);
   else

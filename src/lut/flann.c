@@ -1,115 +1,157 @@
-/* FLANN's KDTreeSingle: an exact kd-tree, but which of several equally near
- * points it returns is a matter of chance (40 % of ties differ from a linear
- * scan). So each query asks for a few neighbours, and the tie rule picks among
- * those at the minimum. Where the whole handful is equally near, it asks for
- * all within that distance; where even those are too many (the centre of a
- * circle), the sites are scanned. */
+/* FLANN's indices. KDTREE_SINGLE is exact but for ties (see ties.c); the
+ * randomized forest and the autotuned index are approximate, and say so.
+ * Muja, Lowe, "Fast Approximate Nearest Neighbors", 2009. */
 #include <flann/flann.h>
-#include <float.h>
 #include <stdlib.h>
 
 #include "lut/engine.h"
 #include "stylut/version.h"
 
-enum { NEIGHBOURS = 8, CROWD = 4096 };
-
-/* FLANN prunes with float bounds: a neighbour may be missed by rounding when it
- * is nearer than the last one found by less than this factor. */
-static const float rounding_slack = 1.00001f;
-
-typedef struct Job {
-  const StySites *sites;
-  StyLut *lut;
-  flann_index_t index;
-  struct FLANNParameters parameters;
-} Job;
-
 const char *sty_get_search_library_version(void) { return "FLANN " FLANN_VERSION_; }
 
-/* The nearest of `found` by the tie rule; *settled when no site that FLANN may
- * have missed can be as near. */
-static size_t choose_site(const StySites *sites, const int *found, int count, const float g[2], bool *settled) {
-  size_t nearest = (size_t)found[0];
-  float best = sty_measure_site(sites, nearest, g), farthest = best;
-  for (int k = 1; k < count; k++) {
-    const size_t site = (size_t)found[k];
-    const float distance = sty_measure_site(sites, site, g);
-    if (distance < best || (distance == best && site < nearest)) {
-      best = distance;
-      nearest = site;
-    }
-    if (distance > farthest) farthest = distance;
-  }
-  *settled = (size_t)count == sites->count || farthest > best * rounding_slack;
-  return nearest;
+typedef struct Index {
+  flann_index_t index;
+  struct FLANNParameters parameters;
+} Index;
+
+static struct FLANNParameters get_parameters(enum flann_algorithm_t algorithm) {
+  struct FLANNParameters parameters = DEFAULT_FLANN_PARAMETERS;
+  parameters.algorithm = algorithm;
+  parameters.cores = 1; /* the rows are what runs in parallel */
+  parameters.log_level = FLANN_LOG_NONE;
+  parameters.random_seed = 1;
+  return parameters;
 }
 
-/* Room for one row's queries and answers. */
-typedef struct Row {
-  float *queries, *distances; /* 2 and NEIGHBOURS a texel */
-  int *found;                 /* NEIGHBOURS a texel */
-  int *crowd;                 /* CROWD, for one texel */
-  float *crowd_distances;
-} Row;
+static StyStatus open_index(const char *name, const StyPoints *points, Index *index, StyError *error) {
+  float speedup;
+  /* A global of the library's, which its other users may have changed. */
+  flann_set_distance_type(FLANN_DIST_EUCLIDEAN, 0);
+  index->index =
+      flann_build_index_float(points->values, (int)points->count, points->measure.dims, &speedup, &index->parameters);
+  return index->index ? STY_OK
+                      : sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN could not build its index", name);
+}
 
-/* The nearest site of texel i, whose handful was equally near. */
-static size_t search_crowd(const Job *job, const Row *row, int i, size_t nearest) {
-  float g[2] = {row->queries[2 * i], row->queries[2 * i + 1]};
-  struct FLANNParameters parameters = job->parameters;
-  const float radius = sty_measure_site(job->sites, nearest, g) * rounding_slack * rounding_slack + FLT_MIN;
+static void close_index(Index *index) { flann_free_index_float(index->index, &index->parameters); }
+
+/* ---- exact -------------------------------------------------------------------- */
+
+static bool find_nearest(const StySearch *search, const float *at, int count, int *found) {
+  const Index *index = search->index;
+  struct FLANNParameters parameters = index->parameters;
+  float query[3] = {at[0], at[1], search->points->measure.dims == 3 ? at[2] : 0}, distances[64];
+  return flann_find_nearest_neighbors_index_float(index->index, query, 1, found, distances, count, &parameters) == 0;
+}
+
+static int find_within(const StySearch *search, const float *at, float squared_radius, int most, int *found) {
+  const Index *index = search->index;
+  struct FLANNParameters parameters = index->parameters;
+  float query[3] = {at[0], at[1], search->points->measure.dims == 3 ? at[2] : 0};
+  float *distances = malloc((size_t)most * sizeof *distances);
+  if (!distances) return -1;
   const int count =
-      flann_radius_search_float(job->index, g, row->crowd, row->crowd_distances, CROWD, radius, &parameters);
-  bool settled;
-  if (count < 1 || count >= CROWD) return sty_scan_sites(job->sites, g);
-  return choose_site(job->sites, row->crowd, count, g, &settled);
+      flann_radius_search_float(index->index, query, found, distances, most, squared_radius, &parameters);
+  free(distances);
+  return count;
 }
 
-static StyStatus search_row(const Job *job, const Row *row, int j, StyError *error) {
-  const int size = job->lut->size;
-  const int count = job->sites->count < NEIGHBOURS ? (int)job->sites->count : NEIGHBOURS;
-  for (int i = 0; i < size; i++) sty_get_texel_value(job->lut, i, j, row->queries + 2 * i);
-  struct FLANNParameters parameters = job->parameters;
-  if (flann_find_nearest_neighbors_index_float(job->index, row->queries, size, row->found, row->distances, count,
-                                               &parameters) != 0)
-    return sty_fail(error, STY_ERROR_LIBRARY, "flann-single: FLANN's search failed");
-  for (int i = 0; i < size; i++) {
-    bool settled;
-    size_t site = choose_site(job->sites, row->found + i * count, count, row->queries + 2 * i, &settled);
-    if (!settled) site = search_crowd(job, row, i, site);
-    sty_set_texel(job->lut, i, j, job->sites, site, row->queries + 2 * i);
+StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
+                                 const StyRun *run, StyError *error) {
+  (void)options;
+  StyPoints points;
+  StyStatus status = sty_collapse_sites(sites, &lut->spec, &points, error);
+  if (status) return status;
+  Index index = {NULL, get_parameters(FLANN_INDEX_KDTREE_SINGLE)};
+  index.parameters.leaf_max_size = 10;
+  index.parameters.eps = 0;
+  lut->unique = points.count;
+  status = open_index("flann-single", &points, &index, error);
+  if (!status) {
+    const StySearch search = {&points, &index, find_nearest, find_within};
+    status = sty_search_table("flann-single", &search, lut, run, error);
+    close_index(&index);
+  }
+  sty_free_points(&points);
+  return status;
+}
+
+/* ---- approximate -------------------------------------------------------------- */
+
+typedef struct Job {
+  const char *name;
+  const StyPoints *points;
+  const Index *index;
+  StyLut *lut;
+} Job;
+
+static StyStatus answer_row(const Job *job, int j, float *queries, int *found, float *distances, StyError *error) {
+  const StyMeasure *measure = &job->points->measure;
+  const int width = job->lut->spec.width;
+  StyQuery query;
+  for (int i = 0; i < width; i++) {
+    sty_make_query(measure, &job->lut->spec, i, j, &query);
+    for (int k = 0; k < measure->dims; k++) queries[i * measure->dims + k] = query.at[k];
+  }
+  struct FLANNParameters parameters = job->index->parameters;
+  if (flann_find_nearest_neighbors_index_float(job->index->index, queries, width, found, distances, 1, &parameters) != 0)
+    return sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN's search failed", job->name);
+  for (int i = 0; i < width; i++) {
+    if (found[i] < 0 || (size_t)found[i] >= job->points->count)
+      return sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN found no neighbour for texel (%d, %d)", job->name, i,
+                      j);
+    const size_t point = (size_t)found[i];
+    sty_make_query(measure, &job->lut->spec, i, j, &query);
+    sty_set_texel(job->lut, measure, (size_t)j * (size_t)width + (size_t)i, job->points->pixels[point],
+                  sty_measure_point(job->points, point, &query));
   }
   return STY_OK;
 }
 
 static StyStatus build_row(void *context, long j, StyError *error) {
   const Job *job = context;
-  const size_t size = (size_t)job->lut->size;
-  const Row row = {malloc(size * 2 * sizeof(float)), malloc(size * NEIGHBOURS * sizeof(float)),
-                   malloc(size * NEIGHBOURS * sizeof(int)), malloc(CROWD * sizeof(int)), malloc(CROWD * sizeof(float))};
-  const bool complete = row.queries && row.distances && row.found && row.crowd && row.crowd_distances;
-  const StyStatus status = complete ? search_row(job, &row, (int)j, error)
-                                    : sty_fail_memory(error, "flann-single", (double)(size * 72 + CROWD * 8));
-  free(row.queries);
-  free(row.distances);
-  free(row.found);
-  free(row.crowd);
-  free(row.crowd_distances);
+  const size_t width = (size_t)job->lut->spec.width;
+  float *queries = malloc(width * 3 * sizeof *queries), *distances = malloc(width * sizeof *distances);
+  int *found = malloc(width * sizeof *found);
+  const StyStatus status = queries && distances && found ? answer_row(job, (int)j, queries, found, distances, error)
+                                                         : sty_fail_memory(error, job->name, (double)width * 20);
+  free(queries);
+  free(distances);
+  free(found);
   return status;
 }
 
-StyStatus sty_build_flann_single(const StySites *sites, StyLut *lut, const StyRun *run, StyError *error) {
-  Job job = {.sites = sites, .lut = lut, .parameters = DEFAULT_FLANN_PARAMETERS};
-  job.parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
-  job.parameters.leaf_max_size = 10;
-  job.parameters.eps = 0;
-  job.parameters.cores = 1; /* the rows are what runs in parallel */
-  job.parameters.log_level = FLANN_LOG_NONE;
-  float speedup;
-  /* A global of the library's, which its other users may have changed. */
-  flann_set_distance_type(FLANN_DIST_EUCLIDEAN, 0);
-  job.index = flann_build_index_float(sites->values, (int)sites->count, 2, &speedup, &job.parameters);
-  if (!job.index) return sty_fail(error, STY_ERROR_LIBRARY, "flann-single: FLANN could not build its index");
-  const StyStatus status = sty_parallel_for(run, lut->size, build_row, &job, error);
-  flann_free_index_float(job.index, &job.parameters);
+static StyStatus build_approximate(const char *name, const StySites *sites, struct FLANNParameters parameters,
+                                   StyLut *lut, const StyRun *run, StyError *error) {
+  StyPoints points;
+  StyStatus status = sty_collapse_sites(sites, &lut->spec, &points, error);
+  if (status) return status;
+  lut->unique = points.count;
+  Index index = {NULL, parameters};
+  status = open_index(name, &points, &index, error);
+  if (!status) {
+    Job job = {name, &points, &index, lut};
+    status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);
+    close_index(&index);
+  }
+  sty_free_points(&points);
   return status;
+}
+
+StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
+                                 const StyRun *run, StyError *error) {
+  struct FLANNParameters parameters = get_parameters(FLANN_INDEX_KDTREE);
+  parameters.trees = options->trees;
+  parameters.checks = options->checks;
+  return build_approximate("flann-forest", sites, parameters, lut, run, error);
+}
+
+StyStatus sty_build_flann_auto(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                               StyError *error) {
+  struct FLANNParameters parameters = get_parameters(FLANN_INDEX_AUTOTUNED);
+  parameters.target_precision = (float)options->precision;
+  parameters.build_weight = 0.01f;
+  parameters.memory_weight = 0;
+  parameters.sample_fraction = 0.1f;
+  return build_approximate("flann-auto", sites, parameters, lut, run, error);
 }

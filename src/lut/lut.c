@@ -3,20 +3,27 @@
 #include <math.h>
 #include <stdlib.h>
 
-const char *const sty_sampling_names[] = {"centre", "unorm8", NULL};
+const char *const sty_sampling_names[] = {"centre", "unorm8", "corner", NULL};
+const char *const sty_map_names[] = {"xy", "equal-area", NULL};
+const char *const sty_metric_names[] = {"xy", "angle", NULL};
 
-StyStatus sty_create_lut(int size, StySampling sampling, int source_width, int source_height, StyLut **out,
-                         StyError *error) {
-  const int smallest = sampling == STY_SAMPLE_UNORM8 ? 2 : 1;
-  if (size < smallest || size > STY_MAX_LUT_SIZE)
-    return sty_fail(error, STY_ERROR_USAGE, "LUT size: found %d, expected %d to %d", size, smallest, STY_MAX_LUT_SIZE);
+StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error) {
+  const int smallest = spec->sampling == STY_SAMPLE_UNORM8 ? 2 : 1;
+  const int shorter = spec->width < spec->height ? spec->width : spec->height;
+  const int longer = spec->width > spec->height ? spec->width : spec->height;
+  if (shorter < smallest || longer > STY_MAX_LUT_SIZE)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT size: found %d, expected %d to %d",
+                    shorter < smallest ? shorter : longer, smallest, STY_MAX_LUT_SIZE);
+  if (spec->sampling != STY_SAMPLE_CENTRE && spec->map != STY_MAP_XY)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT: found sampling %s with map %s, expected sampling centre",
+                    sty_sampling_names[spec->sampling], sty_map_names[spec->map]);
   if (source_width < 1 || source_height < 1 || source_width > STY_MAX_SIDE || source_height > STY_MAX_SIDE)
     return sty_fail(error, STY_ERROR_INPUT, "LUT: found a source of %d x %d pixels, expected sides of 1 to %d",
                     source_width, source_height, STY_MAX_SIDE);
-  const size_t texels = (size_t)size * (size_t)size;
+  const size_t texels = sty_count_texels(spec);
   StyLut *lut = calloc(1, sizeof *lut);
   if (lut) {
-    *lut = (StyLut){.size = size, .sampling = sampling, .source_width = source_width, .source_height = source_height};
+    *lut = (StyLut){.spec = *spec, .source_width = source_width, .source_height = source_height};
     lut->pixels = calloc(texels, sizeof *lut->pixels);
     lut->errors = calloc(texels, sizeof *lut->errors);
   }
@@ -36,22 +43,51 @@ void sty_destroy_lut(StyLut **lut) {
   *lut = NULL;
 }
 
-void sty_get_texel_value(const StyLut *lut, int i, int j, float g[2]) {
-  const int n = lut->size;
-  if (lut->sampling == STY_SAMPLE_CENTRE) {
-    g[0] = (float)(2 * i + 1 - n) / (float)n;
-    g[1] = (float)(n - 2 * j - 1) / (float)n;
+/* Where texel (i, j) looks, in the table's square. */
+static void get_place(const StyLutSpec *spec, int i, int j, float place[2]) {
+  const int columns = spec->width, rows = spec->height;
+  if (spec->sampling == STY_SAMPLE_CENTRE) {
+    place[0] = (float)(2 * i + 1 - columns) / (float)columns;
+    place[1] = (float)(rows - 2 * j - 1) / (float)rows;
+  } else if (spec->sampling == STY_SAMPLE_UNORM8) {
+    place[0] = (float)(2 * i - (columns - 1)) / (float)(columns - 1);
+    place[1] = (float)((rows - 1) - 2 * j) / (float)(rows - 1);
   } else {
-    g[0] = (float)(2 * i - (n - 1)) / (float)(n - 1);
-    g[1] = (float)((n - 1) - 2 * j) / (float)(n - 1);
+    place[0] = (float)(2 * i - columns) / (float)columns;
+    place[1] = (float)(rows - 2 * j - 2) / (float)rows;
   }
+}
+
+static float square_length(const float v[2]) { return v[0] * v[0] + v[1] * v[1]; }
+
+void sty_get_texel_value(const StyLutSpec *spec, int i, int j, float g[2]) {
+  get_place(spec, i, j, g);
+  if (spec->map == STY_MAP_XY) return;
+  const float squared = square_length(g), stretch = squared > 1 ? 1 / sqrtf(squared) : sqrtf(2 - squared);
+  g[0] *= stretch;
+  g[1] *= stretch;
+}
+
+bool sty_is_feasible(const StyLutSpec *spec, int i, int j) {
+  float place[2];
+  get_place(spec, i, j, place);
+  return square_length(place) <= 1;
 }
 
 static int clamp_texel(float t, int size) { return t > 0 ? t < (float)size ? (int)t : size - 1 : 0; }
 
-void sty_find_texel(const StyLut *lut, const float g[2], int t[2]) {
-  const float h[2] = {g[0] * 0.5f + 0.5f, 0.5f - g[1] * 0.5f};
+void sty_find_texel(const StyLutSpec *spec, const float g[2], int t[2]) {
+  float place[2] = {g[0], g[1]};
+  if (spec->map == STY_MAP_EQUAL_AREA) {
+    /* Lambert's map: the normal over sqrt(1+z). */
+    const float squared = square_length(g);
+    const float shrink = squared > 1 ? 1 / sqrtf(squared) : 1 / sqrtf(1 + sqrtf(1 - squared));
+    place[0] *= shrink;
+    place[1] *= shrink;
+  }
+  const float h[2] = {place[0] * 0.5f + 0.5f, 0.5f - place[1] * 0.5f};
+  const int sides[2] = {spec->width, spec->height};
   for (int k = 0; k < 2; k++)
-    t[k] = lut->sampling == STY_SAMPLE_CENTRE ? clamp_texel(floorf(h[k] * (float)lut->size), lut->size)
-                                              : clamp_texel(roundf(h[k] * (float)(lut->size - 1)), lut->size);
+    t[k] = spec->sampling == STY_SAMPLE_UNORM8 ? clamp_texel(roundf(h[k] * (float)(sides[k] - 1)), sides[k])
+                                               : clamp_texel(floorf(h[k] * (float)sides[k]), sides[k]);
 }

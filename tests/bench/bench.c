@@ -404,7 +404,7 @@ static double time_engine(const StyEngine *engine, const StySites *sites, int th
   StyError error;
   StyLut *lut = NULL;
   const double start = get_milliseconds();
-  require(sty_build_lut(sites, engine, TABLE, STY_SAMPLE_CENTRE, &run, &lut, &error), &error);
+  require(sty_build_lut(sites, engine, NULL, &(StyLutSpec){.size = TABLE}, &run, &lut, &error), &error);
   const double time = get_milliseconds() - start;
   sty_destroy_lut(&lut);
   return time;

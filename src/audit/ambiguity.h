@@ -1,0 +1,19 @@
+/* How well a guide decides between its pixels. */
+#ifndef STYLUT_SRC_AUDIT_AMBIGUITY_H
+#define STYLUT_SRC_AUDIT_AMBIGUITY_H
+
+#include "stylut/audit.h"
+
+/* Per texel of the exact table: how many connected pieces (8-neighbours) the
+ * source pixels within `precision` of the least distance form, and how far they
+ * spread (RMS distance from their centroid, pixels). */
+StyStatus sty_measure_ambiguity(const StyLut *exact, const StySites *sites, double precision, const StyRun *run,
+                                float *pieces, float *spread, StyError *error);
+
+/* Per texel: the share of 8 seeded trials in which the nearest source pixel moves
+ * by more than `jump` when every value of the guide is disturbed by up to half
+ * of `precision` either way. */
+StyStatus sty_measure_stability(const StyLut *exact, const StySites *sites, double precision, double jump,
+                                uint64_t seed, const StyRun *run, float *unstable, StyError *error);
+
+#endif

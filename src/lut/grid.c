@@ -1,0 +1,240 @@
+/* The engine `grid`.
+ *
+ * Guides that aren't 8-bit: a counting sort puts the points into square cells of
+ * about one point each. Where a guide is dense, a texel's neighbour is in the
+ * cells around it, and nothing beats looking there. What that would make slow
+ * goes into a tree: points that are exposed, since they serve texels far away,
+ * and points in crowds. The rest is plain: each region of 3 x 3 cells whose
+ * neighbours within two steps are all occupied, and which holds a bounded number
+ * of points. A plain point p serves no texel q farther away than `reach`: on the
+ * way from p to q, two regions on, lies an occupied region, and all of its points
+ * are nearer to q.
+ *
+ * Bounds: a block of 16 texels looks at no more than 7 x 7 plain regions, so that
+ * is constant work. The tree, like any, has no better bound than all of its
+ * points for each texel, which needs all of them to be equally far; a circle
+ * seen from its very centre. */
+#include "lut/grid.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REGION = 3, STEPS = 2, MOST_IN_REGION = 16 * REGION * REGION };
+
+/* ---- laying out cells --------------------------------------------------------- */
+
+static int get_column(const StyCells *cells, float x) {
+  const int column = (int)(((double)x - cells->x0) * cells->inverse);
+  return column < cells->columns ? column : cells->columns - 1;
+}
+
+static int get_row(const StyCells *cells, float y) {
+  const int row = (int)(((double)y - cells->y0) * cells->inverse);
+  return row < cells->rows ? row : cells->rows - 1;
+}
+
+static size_t get_cell(const StyCells *cells, const float value[2]) {
+  return (size_t)get_row(cells, value[1]) * (size_t)cells->columns + (size_t)get_column(cells, value[0]);
+}
+
+static void get_box(const StySites *sites, double low[2], double high[2]) {
+  float box[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+  for (size_t s = 0; s < sites->count; s++) {
+    const float x = sites->values[2 * s], y = sites->values[2 * s + 1];
+    box[0] = x < box[0] ? x : box[0];
+    box[1] = y < box[1] ? y : box[1];
+    box[2] = x > box[2] ? x : box[2];
+    box[3] = y > box[3] ? y : box[3];
+  }
+  for (int k = 0; k < 2; k++) {
+    low[k] = (double)box[k];
+    high[k] = (double)box[2 + k];
+  }
+}
+
+/* Whether the guide deserves cells, and if so, where they lie. */
+static bool lay_out_cells(const StySites *sites, StyCells *cells) {
+  double low[2], high[2];
+  get_box(sites, low, high);
+  const double width = high[0] - low[0], height = high[1] - low[1], count = (double)sites->count;
+  const double side = sqrt(width * height / count);
+  /* A region's width must be more than rounding can blur at the distance of the
+   * farthest texel, or farther points could tie with nearer ones. */
+  const double farthest = 4 + 2 * (fabs(low[0]) + fabs(high[0]) + fabs(low[1]) + fabs(high[1]));
+  if (!(side * REGION > farthest * 1e-6) || width > side * count || height > side * count) return false;
+  *cells = (StyCells){.columns = (int)(width / side) + 1,
+                      .rows = (int)(height / side) + 1,
+                      .x0 = low[0],
+                      .y0 = low[1],
+                      .inverse = 1 / side,
+                      .reach = sqrt(2.0) * REGION * side * 1.001};
+  return (double)cells->columns * cells->rows < 4 * count + 64;
+}
+
+/* ---- what is plain ------------------------------------------------------------ */
+
+typedef struct Regions {
+  int columns, rows;
+  uint32_t *counts; /* points in each */
+  bool *plain;
+} Regions;
+
+static bool is_plain(const Regions *regions, int x, int y) {
+  if (regions->counts[(size_t)y * (size_t)regions->columns + (size_t)x] > MOST_IN_REGION) return false;
+  if (x < STEPS || y < STEPS || x >= regions->columns - STEPS || y >= regions->rows - STEPS) return false;
+  for (int dy = -STEPS; dy <= STEPS; dy++)
+    for (int dx = -STEPS; dx <= STEPS; dx++)
+      if (!regions->counts[(size_t)(y + dy) * (size_t)regions->columns + (size_t)(x + dx)]) return false;
+  return true;
+}
+
+static void count_regions(const StyCells *cells, const uint32_t *counts, Regions *regions) {
+  for (int y = 0; y < cells->rows; y++)
+    for (int x = 0; x < cells->columns; x++)
+      regions->counts[(size_t)(y / REGION) * (size_t)regions->columns + (size_t)(x / REGION)] +=
+          counts[(size_t)y * (size_t)cells->columns + (size_t)x];
+  for (int y = 0; y < regions->rows; y++)
+    for (int x = 0; x < regions->columns; x++)
+      regions->plain[(size_t)y * (size_t)regions->columns + (size_t)x] = is_plain(regions, x, y);
+}
+
+static bool is_cell_plain(const Regions *regions, int column, int row) {
+  return regions->plain[(size_t)(row / REGION) * (size_t)regions->columns + (size_t)(column / REGION)];
+}
+
+/* ---- dealing out -------------------------------------------------------------- */
+
+/* Room for what the plain cells hold. */
+static bool make_room(StyCells *cells, size_t count) {
+  cells->x = malloc((count + 1) * sizeof *cells->x);
+  cells->y = malloc((count + 1) * sizeof *cells->y);
+  cells->pixels = malloc((count + 1) * sizeof *cells->pixels);
+  return cells->x && cells->y && cells->pixels;
+}
+
+static void free_cells(StyCells *cells) {
+  free(cells->first);
+  free(cells->x);
+  free(cells->y);
+  free(cells->pixels);
+  *cells = (StyCells){0};
+}
+
+/* Drops points at the place of an earlier one of their cell; returns how many remain. */
+static size_t drop_duplicates(StyCells *cells) {
+  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
+  size_t kept = 0, begin = 0;
+  for (size_t c = 0; c < count; c++) {
+    const size_t end = cells->first[c + 1], base = kept;
+    cells->first[c] = (uint32_t)kept;
+    for (size_t p = begin; p < end; p++) {
+      bool known = false;
+      for (size_t k = base; k < kept && !known; k++) known = cells->x[k] == cells->x[p] && cells->y[k] == cells->y[p];
+      if (known) continue;
+      cells->x[kept] = cells->x[p];
+      cells->y[kept] = cells->y[p];
+      cells->pixels[kept++] = cells->pixels[p];
+    }
+    begin = end;
+  }
+  cells->first[count] = (uint32_t)kept;
+  return kept;
+}
+
+/* Plain points into the cells, the others to *spots, both by ascending pixel.
+ * `first` holds each cell's number of points; that of plain cells becomes where they begin. */
+static bool deal_out(const StySites *sites, const Regions *regions, StyCells *cells, StySpot **spots,
+                     size_t *spot_count) {
+  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
+  uint32_t plain = 0;
+  for (int row = 0; row < cells->rows; row++)
+    for (int column = 0; column < cells->columns; column++) {
+      uint32_t *first = &cells->first[(size_t)row * (size_t)cells->columns + (size_t)column];
+      const uint32_t own = is_cell_plain(regions, column, row) ? *first : 0;
+      *first = plain;
+      plain += own;
+    }
+  cells->first[count] = plain;
+  *spot_count = 0;
+  *spots = malloc((sites->count - plain + 1) * sizeof **spots);
+  if (!make_room(cells, plain) || !*spots) return false;
+  for (size_t s = 0; s < sites->count; s++) {
+    const float *value = sites->values + 2 * s;
+    const int column = get_column(cells, value[0]), row = get_row(cells, value[1]);
+    if (!is_cell_plain(regions, column, row)) {
+      (*spots)[(*spot_count)++] = (StySpot){value[0], value[1], sites->pixels[s]};
+      continue;
+    }
+    const uint32_t at = cells->first[(size_t)row * (size_t)cells->columns + (size_t)column]++;
+    cells->x[at] = value[0];
+    cells->y[at] = value[1];
+    cells->pixels[at] = (int32_t)sites->pixels[s];
+  }
+  /* Each cell's `first` has become the next one's. */
+  memmove(cells->first + 1, cells->first, count * sizeof *cells->first);
+  cells->first[0] = 0;
+  return true;
+}
+
+/* Sorts the sites; false: memory is short. */
+static bool sort_sites(const StySites *sites, StyCells *cells, StySpot **spots, size_t *spot_count) {
+  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
+  Regions regions = {.columns = (cells->columns + REGION - 1) / REGION, .rows = (cells->rows + REGION - 1) / REGION};
+  const size_t region_count = (size_t)regions.columns * (size_t)regions.rows;
+  regions.counts = calloc(region_count, sizeof *regions.counts);
+  regions.plain = malloc(region_count * sizeof *regions.plain);
+  cells->first = calloc(count + 1, sizeof *cells->first);
+  bool sorted = regions.counts && regions.plain && cells->first;
+  if (sorted) {
+    for (size_t s = 0; s < sites->count; s++) cells->first[get_cell(cells, sites->values + 2 * s)]++;
+    count_regions(cells, cells->first, &regions);
+    sorted = deal_out(sites, &regions, cells, spots, spot_count);
+  }
+  free(regions.counts);
+  free(regions.plain);
+  return sorted;
+}
+
+/* All sites, lifted, for a tree without cells. */
+static bool copy_sites(const StySites *sites, int dims, StySpot **spots) {
+  *spots = malloc(sites->count * sizeof **spots);
+  for (size_t s = 0; *spots && s < sites->count; s++) {
+    float at[3];
+    sty_lift(dims, sites->values + 2 * s, at);
+    (*spots)[s] = (StySpot){at[0], at[1], sites->pixels[s]};
+  }
+  return *spots != NULL;
+}
+
+static StyStatus build_by_search(const StySites *sites, const StyMeasure *measure, StyLut *lut, const StyRun *run,
+                                 StyError *error) {
+  StyCells cells = {0};
+  StyTree tree = {0};
+  StySpot *spots = NULL;
+  size_t spot_count = sites->count, plain = 0;
+  const bool has_cells = measure->dims == 2 && lay_out_cells(sites, &cells);
+  if (!has_cells) cells = (StyCells){0};
+  StyStatus status = STY_OK;
+  if (has_cells ? !sort_sites(sites, &cells, &spots, &spot_count) : !copy_sites(sites, measure->dims, &spots))
+    status = sty_fail_memory(error, "engine grid", (double)sites->count * 28);
+  if (!status && has_cells) plain = drop_duplicates(&cells);
+  if (!status) status = sty_plant_tree(measure->dims, spots, spot_count, &tree, error);
+  free(spots);
+  if (!status) {
+    lut->unique = plain + tree.count;
+    status = sty_search_blocks(&cells, &tree, measure, lut, run, error);
+  }
+  sty_fell_tree(&tree);
+  free_cells(&cells);
+  return status;
+}
+
+StyStatus sty_build_grid(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                         StyError *error) {
+  (void)options;
+  const StyMeasure measure = sty_choose_measure(sites, &lut->spec);
+  return measure.integer ? sty_transform_sites(sites, &measure, lut, run, error)
+                         : build_by_search(sites, &measure, lut, run, error);
+}

@@ -1,0 +1,5 @@
+/* Compiled with the flags for this unit, on processors that may have it. */
+#ifdef __AVX512F__
+#define ANSWER_BLOCKS sty_answer_blocks_avx512
+#include "lut/search_blocks.h"
+#endif

@@ -1,0 +1,49 @@
+/* What all commands that audit a table share: its options, and the reading of
+ * what it needs. */
+#ifndef STYLUT_TOOLS_AUDITS_H
+#define STYLUT_TOOLS_AUDITS_H
+
+#include "options.h"
+#include "stylut/audit.h"
+
+enum { MOST_FRAMES = 256 };
+
+typedef struct AuditArguments {
+  const char *lut, *guide;
+  int foreign; /* a StyForeign */
+  int weights; /* a StyWeights */
+  const char *frames[MOST_FRAMES];
+  int frame_count;
+  double tolerance, precision, jump; /* 8-bit levels, 8-bit levels, pixels; the last two 0: by themselves */
+} AuditArguments;
+
+/* Must come second in the arguments of a command that uses audit_argp, right
+ * after its Options. */
+typedef struct AuditCommand {
+  Options options;
+  AuditArguments audit;
+} AuditCommand;
+
+extern const struct argp audit_argp; /* --guide --as --weights --frames --tolerance --precision --jump --seed */
+extern const AuditArguments default_audit_arguments;
+
+/* The command's arguments: the table, then more frames once --frames was given. */
+StyStatus take_audit_argument(AuditCommand *command, const char *text);
+StyStatus check_audit_arguments(AuditCommand *command);
+
+/* All that an audit is about. */
+typedef struct AuditCase {
+  StyImage *guide;
+  StySites *sites;
+  StyLut *lut, *exact;
+  StyImage *frames[MOST_FRAMES];
+} AuditCase;
+
+StyStatus open_audit(AuditCommand *command, AuditCase *out, StyError *error);
+void close_audit(AuditCase *subject);
+
+/* `maps` may be NULL. */
+StyStatus run_audit(AuditCommand *command, const AuditCase *subject, StyAudit *out, StyAuditMaps *maps,
+                    StyError *error);
+
+#endif
