@@ -31,8 +31,8 @@ static const struct argp_option options_table[] = {
 
 static StyStatus add_frame(AuditCommand *command, const char *text) {
   if (command->audit.frame_count == MOST_FRAMES)
-    return sty_fail(&command->options.error, STY_ERROR_USAGE, "--frames: found more than %d files, expected at most that",
-                    MOST_FRAMES);
+    return sty_fail(&command->options.error, STY_ERROR_USAGE,
+                    "--frames: found more than %d files, expected at most that", MOST_FRAMES);
   command->audit.frames[command->audit.frame_count++] = text;
   return STY_OK;
 }

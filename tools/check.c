@@ -53,8 +53,7 @@ static StyStatus set_budget(Arguments *arguments, int budget, const char *text) 
   char what[32];
   snprintf(what, sizeof what, "--%s", get_budget_name(budget));
   const double largest = budget <= BUDGET_EXCESS ? 180 : 1;
-  return sty_parse_number(what, text, 0, largest, &arguments->budgets[budget],
-                          &arguments->base.options.error);
+  return sty_parse_number(what, text, 0, largest, &arguments->budgets[budget], &arguments->base.options.error);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -69,7 +68,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   }
 }
 
-static const struct argp_child children[] = {{&audit_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {
+    {&audit_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
@@ -118,11 +118,9 @@ static StyStatus print_audit(const Arguments *arguments, const StyAudit *audit, 
 /* Each exceeded budget gets its line, so that CI says all at once. */
 static StyStatus compare_with_budgets(const Arguments *arguments, const StyAudit *audit) {
   const double found[BUDGETS] = {
-      [BUDGET_MEAN] = audit->lookup.mean,       [BUDGET_P99] = audit->lookup.p99,
-      [BUDGET_ERROR] = audit->lookup.max,       [BUDGET_EXCESS] = audit->excess.mean,
-      [BUDGET_AMBIGUOUS] = audit->ambiguous,    [BUDGET_JUMPS] = audit->jumps,
-      [BUDGET_UNSTABLE] = audit->unstable,      [BUDGET_UNUSED] = audit->unused,
-      [BUDGET_COVERAGE] = audit->coverage,
+      [BUDGET_MEAN] = audit->lookup.mean,   [BUDGET_P99] = audit->lookup.p99,      [BUDGET_ERROR] = audit->lookup.max,
+      [BUDGET_EXCESS] = audit->excess.mean, [BUDGET_AMBIGUOUS] = audit->ambiguous, [BUDGET_JUMPS] = audit->jumps,
+      [BUDGET_UNSTABLE] = audit->unstable,  [BUDGET_UNUSED] = audit->unused,       [BUDGET_COVERAGE] = audit->coverage,
   };
   StyStatus status = STY_OK;
   for (int b = 0; b < BUDGETS; b++) {

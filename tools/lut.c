@@ -18,10 +18,25 @@ typedef struct Arguments {
   const char *engine_name;
   const StyEngine *engine;
   StyEngineOptions engine_options;
+  int resolve;  /* index of resolve_names */
+  double slack; /* 8-bit levels */
   int encoding; /* a StyEncoding, or -1: by the output's ending */
 } Arguments;
 
-enum { KEY_SAMPLING = 0x200, KEY_ENCODING, KEY_MAP, KEY_METRIC, KEY_TREES, KEY_CHECKS, KEY_PRECISION };
+enum {
+  KEY_SAMPLING = 0x200,
+  KEY_ENCODING,
+  KEY_MAP,
+  KEY_METRIC,
+  KEY_TREES,
+  KEY_CHECKS,
+  KEY_PRECISION,
+  KEY_RESOLVE,
+  KEY_SLACK
+};
+
+static const char *const resolve_names[] = {"nearest", "coherent", NULL};
+enum { RESOLVE_NEAREST, RESOLVE_COHERENT };
 
 static const struct argp_option options_table[] = {
     {"size", 's', "N", 0, "texels a side (default: 256)", 0},
@@ -30,7 +45,8 @@ static const struct argp_option options_table[] = {
      "flann-auto (default: auto)",
      0},
     {"sampling", KEY_SAMPLING, "KIND", 0,
-     "what texels answer for: centre, their centres; unorm8, byte values, exactly; corner, their lower left corners, as "
+     "what texels answer for: centre, their centres; unorm8, byte values, exactly; corner, their lower left corners, "
+     "as "
      "StyleBlitUnity's (default: centre)",
      0},
     {"map", KEY_MAP, "KIND", 0,
@@ -38,6 +54,12 @@ static const struct argp_option options_table[] = {
     {"metric", KEY_METRIC, "KIND", 0, "what nearest means: xy, or angle between normals (default: xy)", 0},
     {"encoding", KEY_ENCODING, "KIND", 0, "f32 (EXR), rg16, rg8x2 or rg8 (PNG) (default: f32 for .exr, rg16 for .png)",
      0},
+    {"resolve", KEY_RESOLVE, "KIND", 0,
+     "which of the pixels within the slack: nearest, or coherent: neighbouring texels on neighbouring pixels, so that "
+     "a style doesn't pop when a surface turns (default: nearest)",
+     0},
+    {"slack", KEY_SLACK, "LEVELS", 0,
+     "how much farther than the nearest a coherent choice may be, in 8-bit levels (default: 2)", 0},
     {NULL, 0, NULL, 0, "For the approximate engines:", 0},
     {"trees", KEY_TREES, "N", 0, "trees of flann-forest, 1 to 64 (default: 4)", 0},
     {"checks", KEY_CHECKS, "N", 0, "leaves that flann-forest looks at (default: 32)", 0},
@@ -83,6 +105,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
       break;
     case KEY_MAP: status = sty_parse_choice("--map", text, sty_map_names, &arguments->map, error); break;
     case KEY_METRIC: status = sty_parse_choice("--metric", text, sty_metric_names, &arguments->metric, error); break;
+    case KEY_RESOLVE: status = sty_parse_choice("--resolve", text, resolve_names, &arguments->resolve, error); break;
+    case KEY_SLACK: status = sty_parse_number("--slack", text, 0, 255, &arguments->slack, error); break;
     case KEY_TREES:
       status = sty_parse_integer("--trees", text, 1, 64, &number, error);
       arguments->engine_options.trees = (int)number;
@@ -138,11 +162,14 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   static const char *const stages[] = {"read", "build", "write"};
   if (arguments->options.json)
     return print_json(
-        json_pack("{s:s, s:s, s:b, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema", "stylut-lut/1", "engine",
-                  arguments->engine->name, "exact", arguments->engine->exact, "size", arguments->size, "sampling", sty_sampling_names[arguments->sampling],
-                  "map", sty_map_names[arguments->map], "metric", sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points", (json_int_t)account->points, "unique",
-                  (json_int_t)account->unique, "mean_distance", account->mean_error, "max_distance", account->max_error,
-                  "time_ms", pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes()),
+        json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema",
+                  "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact, "resolve",
+                  resolve_names[arguments->resolve], "size", arguments->size, "sampling",
+                  sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
+                  sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points",
+                  (json_int_t)account->points, "unique", (json_int_t)account->unique, "mean_distance",
+                  account->mean_error, "max_distance", account->max_error, "time_ms",
+                  pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes()),
         error);
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d texels from %zu source pixels, %zu distinct values\n", clean_text(arguments->options.output),
@@ -175,17 +202,22 @@ static StyStatus run(Arguments *arguments) {
   if (!status) status = sty_collect_sites(arguments->guide, guide, &sites, error);
   sty_destroy_image(&guide);
   if (!status && arguments->options.dry_run) {
-    status = report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s",
-                            arguments->size, arguments->size, sites->count, arguments->engine->name);
+    status = report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s", arguments->size,
+                            arguments->size, sites->count, arguments->engine->name);
     sty_destroy_sites(&sites);
     return status;
   }
   if (!status) {
     const StyRun job = begin_progress(&arguments->options, "searching");
-    const StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
-                             (StyMap)arguments->map, (StyMetric)arguments->metric};
+    const StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling, (StyMap)arguments->map,
+                             (StyMetric)arguments->metric};
     status = sty_build_lut(sites, arguments->engine, &arguments->engine_options, &spec, &job, &lut, error);
     end_progress(&arguments->options);
+    if (!status && arguments->resolve == RESOLVE_COHERENT) {
+      const StyRun choice = begin_progress(&arguments->options, "resolving");
+      status = sty_resolve_coherent(lut, sites, arguments->slack * STY_LEVEL, &choice, error);
+      end_progress(&arguments->options);
+    }
     if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
   }
   const double built = get_milliseconds();
@@ -207,7 +239,7 @@ static StyStatus run(Arguments *arguments) {
 
 StyStatus run_lut(int argc, char **argv) {
   Arguments arguments = {
-      .size = 256, .engine_name = "auto", .engine_options = sty_default_engine_options, .encoding = -1};
+      .size = 256, .engine_name = "auto", .engine_options = sty_default_engine_options, .slack = 2, .encoding = -1};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

@@ -139,9 +139,8 @@ static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest
   snprintf(name, sizeof name, "%.200s (guide %.200s)", style->exemplar, style->guide);
   if (!status) status = sty_collect_sites(name, guide, &sites, error);
   const StyRun run = {.threads = arguments->options.threads};
-  const StyLutSpec spec = {.width = style->lut_size,
-                           .height = style->lut_size,
-                           .sampling = (StySampling)get_sampling(style->lut_sampling)};
+  const StyLutSpec spec = {
+      .width = style->lut_size, .height = style->lut_size, .sampling = (StySampling)get_sampling(style->lut_sampling)};
   if (!status) status = sty_build_lut(sites, engine, NULL, &spec, &run, out, error);
   sty_destroy_sites(&sites);
   return status;

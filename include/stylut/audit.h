@@ -55,7 +55,7 @@ typedef struct StyAudit {
   StyLutSpec spec;
   StyWeights weights;
   double jump, precision, tolerance; /* as used */
-  size_t feasible;       /* texels; for STY_WEIGHT_FRAMES those that are asked for */
+  size_t feasible;                   /* texels; for STY_WEIGHT_FRAMES those that are asked for */
   size_t background;     /* of these, those that point at a source pixel that isn't covered (180 degrees each) */
   StyFigures assignment; /* at the values the texels answer for */
   /* For guide values in between: each texel's square is asked for 4 x 4 values
@@ -65,18 +65,19 @@ typedef struct StyAudit {
    * that is its assignment error. Float guides pay up to half a byte more.
    * STY_WEIGHT_FRAMES asks for what the frames' pixels hold. */
   StyFigures lookup;
-  StyFigures excess;   /* assignment error above that of the exact table; 0 where a texel's distance is the least there is */
-  double optimal;      /* share of texels whose pixel is as near as any */
-  double coverage;     /* share with a source pixel within the tolerance */
+  StyFigures
+      excess;     /* assignment error above that of the exact table; 0 where a texel's distance is the least there is */
+  double optimal; /* share of texels whose pixel is as near as any */
+  double coverage;              /* share with a source pixel within the tolerance */
   size_t usage[STY_USAGE_BINS]; /* covered source pixels by the number of feasible texels that use them */
-  double unused;       /* share of covered source pixels that no feasible texel uses */
-  double ambiguous;    /* share of texels whose source pixels within the precision of the least distance fall
-                          into two pieces (8-neighbours) or more, or spread over more than J (RMS from their centroid) */
-  double spread;       /* mean of that spread, source pixels */
-  double jumps;        /* share of pairs of neighbouring feasible texels whose source pixels are more than J apart */
-  double unstable;     /* share of texels whose nearest pixel moves by more than J when the guide's values are disturbed
-                          by half a step of its precision either way; mean of 8 seeded trials. Of the exact table: it
-                          says how much of any table's choice is chance */
+  double unused;                /* share of covered source pixels that no feasible texel uses */
+  double ambiguous;             /* share of texels whose source pixels within the precision of the least distance fall
+                                   into two pieces (8-neighbours) or more, or spread over more than J (RMS from their centroid) */
+  double spread;                /* mean of that spread, source pixels */
+  double jumps;    /* share of pairs of neighbouring feasible texels whose source pixels are more than J apart */
+  double unstable; /* share of texels whose nearest pixel moves by more than J when the guide's values are disturbed
+                      by half a step of its precision either way; mean of 8 seeded trials. Of the exact table: it
+                      says how much of any table's choice is chance */
 } StyAudit;
 
 /* Per texel, row-major; NAN where a texel isn't feasible. */

@@ -129,6 +129,13 @@ StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **
 StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
                         const StyLutSpec *spec, const StyRun *run, StyLut **out, StyError *error);
 
+/* Replaces, within `slack` (0 or more, guide units) above the least distance of
+ * each texel, source pixels of an exact table of these sites by others, so that
+ * neighbouring texels have neighbouring pixels wherever possible (a pair farther
+ * apart than 4 * longer side of the source / longer side of the table is a jump).
+ * Deterministic. A table without jumps is left as it is. */
+StyStatus sty_resolve_coherent(StyLut *lut, const StySites *sites, double slack, const StyRun *run, StyError *error);
+
 /* How a table is stored. With u = (x+1/2)/W, v = (y+1/2)/H of the source pixel:
  *   f32    float channels u, v, error (EXR)
  *   rg16   16 bit, R = u, G = v, B = 0
@@ -149,7 +156,7 @@ StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out
 
 /* How tables of other tools are to be read. */
 typedef enum StyForeign {
-  STY_FOREIGN_NONE, /* by the file's own attributes */
+  STY_FOREIGN_NONE,  /* by the file's own attributes */
   STY_FOREIGN_UNITY, /* StyleBlitUnity's: rg8, v counted from the bottom, sampling corner, any proportions */
   STY_FOREIGN_RG8,
   STY_FOREIGN_RG16,

@@ -120,8 +120,7 @@ static bool is_optimal(const Case *c, size_t texel, const float g[2]) {
   for (int k = 0; k < 2; k++) {
     const double dx = (double)g[0] - c->guide.x[pixels[k]], dy = (double)g[1] - c->guide.y[pixels[k]];
     squared[k] = dx * dx + dy * dy;
-    if (c->lut->spec.metric == STY_METRIC_ANGLE)
-      squared[k] = sty_measure_pixel(&c->guide, pixels[k], g);
+    if (c->lut->spec.metric == STY_METRIC_ANGLE) squared[k] = sty_measure_pixel(&c->guide, pixels[k], g);
   }
   return squared[0] <= squared[1] * (1 + 1e-5) + 1e-12;
 }
@@ -137,8 +136,7 @@ static void measure_texel(const Case *c, int i, int j, StyTally *assignment, Sty
   const uint32_t pixel = c->lut->pixels[texel];
   const double angle = sty_measure_pixel(&c->guide, pixel, g);
   const bool optimal = is_optimal(c, texel, g);
-  const double above =
-      optimal ? 0 : fmax(0, angle - sty_measure_pixel(&c->guide, c->exact->pixels[texel], g));
+  const double above = optimal ? 0 : fmax(0, angle - sty_measure_pixel(&c->guide, c->exact->pixels[texel], g));
   sty_add_error(assignment, angle, weight, at, g, pixel, c->lut->source_width);
   sty_add_error(excess, above, weight, at, g, pixel, c->lut->source_width);
   c->maps->assignment[texel] = (float)angle;
@@ -316,7 +314,7 @@ static StyStatus check_case(const StyLut *lut, const StyLut *exact, const StyIma
 }
 
 static StyStatus create_maps(size_t texels, StyAuditMaps *out, StyError *error) {
-  float **const planes[] = {&out->assignment, &out->excess, &out->pieces, &out->spread,
+  float **const planes[] = {&out->assignment, &out->excess,   &out->pieces, &out->spread,
                             &out->jumps,      &out->unstable, &out->weights};
   *out = (StyAuditMaps){0};
   for (size_t p = 0; p < sizeof planes / sizeof *planes; p++) {

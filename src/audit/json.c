@@ -21,17 +21,17 @@ static json_t *format_usage(const StyAudit *audit) {
 
 char *sty_format_audit(const StyAudit *audit) {
   const StyLutSpec *spec = &audit->spec;
-  json_t *root = json_pack(
-      "{s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I}", "schema", "stylut-audit/1", "size", spec->width, "sampling", sty_sampling_names[spec->sampling], "map", sty_map_names[spec->map], "metric",
-      sty_metric_names[spec->metric], "weights", sty_weights_names[audit->weights], "feasible",
-      (json_int_t)audit->feasible, "background", (json_int_t)audit->background);
-  json_t *figures = json_pack(
-      "{s:o, s:o, s:o, s:f, s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "assignment",
-      format_figures(&audit->assignment), "lookup", format_figures(&audit->lookup), "excess",
-      format_figures(&audit->excess), "optimal", tidy(audit->optimal), "coverage", tidy(audit->coverage), "tolerance",
-      tidy(audit->tolerance), "usage", format_usage(audit), "unused", tidy(audit->unused), "ambiguous",
-      tidy(audit->ambiguous), "spread", tidy(audit->spread), "jumps", tidy(audit->jumps), "unstable",
-      tidy(audit->unstable), "jump", tidy(audit->jump), "precision", audit->precision);
+  json_t *root = json_pack("{s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I}", "schema", "stylut-audit/1", "size", spec->width,
+                           "sampling", sty_sampling_names[spec->sampling], "map", sty_map_names[spec->map], "metric",
+                           sty_metric_names[spec->metric], "weights", sty_weights_names[audit->weights], "feasible",
+                           (json_int_t)audit->feasible, "background", (json_int_t)audit->background);
+  json_t *figures =
+      json_pack("{s:o, s:o, s:o, s:f, s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "assignment",
+                format_figures(&audit->assignment), "lookup", format_figures(&audit->lookup), "excess",
+                format_figures(&audit->excess), "optimal", tidy(audit->optimal), "coverage", tidy(audit->coverage),
+                "tolerance", tidy(audit->tolerance), "usage", format_usage(audit), "unused", tidy(audit->unused),
+                "ambiguous", tidy(audit->ambiguous), "spread", tidy(audit->spread), "jumps", tidy(audit->jumps),
+                "unstable", tidy(audit->unstable), "jump", tidy(audit->jump), "precision", audit->precision);
   if (root && spec->height != spec->width) json_object_set_new(root, "height", json_integer(spec->height));
   char *text = NULL;
   if (root && figures && json_object_update(root, figures) == 0)

@@ -35,9 +35,12 @@ static StyStatus describe_lut(const StyLut *lut, StyEncoding encoding, StyImage 
   char source[32];
   snprintf(source, sizeof source, "%dx%d", lut->source_width, lut->source_height);
   const char *const pairs[][2] = {
-      {"stylut:kind", "lut"},    {"stylut:encoding", sty_encoding_names[encoding]},
-      {"stylut:source", source}, {"stylut:sampling", sty_sampling_names[lut->spec.sampling]},
-      {"stylut:map", sty_map_names[lut->spec.map]}, {"stylut:metric", sty_metric_names[lut->spec.metric]},
+      {"stylut:kind", "lut"},
+      {"stylut:encoding", sty_encoding_names[encoding]},
+      {"stylut:source", source},
+      {"stylut:sampling", sty_sampling_names[lut->spec.sampling]},
+      {"stylut:map", sty_map_names[lut->spec.map]},
+      {"stylut:metric", sty_metric_names[lut->spec.metric]},
   };
   StyStatus status = STY_OK;
   for (size_t i = 0; !status && i < sizeof pairs / sizeof *pairs; i++)
@@ -90,7 +93,8 @@ static StyStatus read_choice(const char *name, const StyImage *image, const char
   const char *text = sty_find_attribute(image, attribute);
   if (!text || !sty_parse_choice(attribute, text, names, out, NULL)) return STY_OK;
   char known[64] = "";
-  for (int i = 0; names[i]; i++) snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? " or " : "", names[i]);
+  for (int i = 0; names[i]; i++)
+    snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? " or " : "", names[i]);
   return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %s, expected %s", name, attribute, text, known);
 }
 

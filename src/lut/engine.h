@@ -10,10 +10,10 @@ StyStatus sty_build_brute(const StySites *sites, const StyEngineOptions *options
                           StyError *error);
 StyStatus sty_build_analytic(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                              StyError *error);
-StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
-                                 const StyRun *run, StyError *error);
-StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
-                                 const StyRun *run, StyError *error);
+StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                                 StyError *error);
+StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                                 StyError *error);
 StyStatus sty_build_flann_auto(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                                StyError *error);
 StyStatus sty_build_cgal(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
@@ -102,7 +102,6 @@ typedef struct StySearch {
 } StySearch;
 
 /* Fills the table through a library's index, by the tie rule. `name` is the engine's, for messages. */
-StyStatus sty_search_table(const char *name, const StySearch *search, StyLut *lut, const StyRun *run,
-                           StyError *error);
+StyStatus sty_search_table(const char *name, const StySearch *search, StyLut *lut, const StyRun *run, StyError *error);
 
 #endif

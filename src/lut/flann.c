@@ -29,8 +29,7 @@ static StyStatus open_index(const char *name, const StyPoints *points, Index *in
   flann_set_distance_type(FLANN_DIST_EUCLIDEAN, 0);
   index->index =
       flann_build_index_float(points->values, (int)points->count, points->measure.dims, &speedup, &index->parameters);
-  return index->index ? STY_OK
-                      : sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN could not build its index", name);
+  return index->index ? STY_OK : sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN could not build its index", name);
 }
 
 static void close_index(Index *index) { flann_free_index_float(index->index, &index->parameters); }
@@ -50,14 +49,13 @@ static int find_within(const StySearch *search, const float *at, float squared_r
   float query[3] = {at[0], at[1], search->points->measure.dims == 3 ? at[2] : 0};
   float *distances = malloc((size_t)most * sizeof *distances);
   if (!distances) return -1;
-  const int count =
-      flann_radius_search_float(index->index, query, found, distances, most, squared_radius, &parameters);
+  const int count = flann_radius_search_float(index->index, query, found, distances, most, squared_radius, &parameters);
   free(distances);
   return count;
 }
 
-StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
-                                 const StyRun *run, StyError *error) {
+StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                                 StyError *error) {
   (void)options;
   StyPoints points;
   StyStatus status = sty_collapse_sites(sites, &lut->spec, &points, error);
@@ -94,7 +92,8 @@ static StyStatus answer_row(const Job *job, int j, float *queries, int *found, f
     for (int k = 0; k < measure->dims; k++) queries[i * measure->dims + k] = query.at[k];
   }
   struct FLANNParameters parameters = job->index->parameters;
-  if (flann_find_nearest_neighbors_index_float(job->index->index, queries, width, found, distances, 1, &parameters) != 0)
+  if (flann_find_nearest_neighbors_index_float(job->index->index, queries, width, found, distances, 1, &parameters) !=
+      0)
     return sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN's search failed", job->name);
   for (int i = 0; i < width; i++) {
     if (found[i] < 0 || (size_t)found[i] >= job->points->count)
@@ -138,8 +137,8 @@ static StyStatus build_approximate(const char *name, const StySites *sites, stru
   return status;
 }
 
-StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut,
-                                 const StyRun *run, StyError *error) {
+StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
+                                 StyError *error) {
   struct FLANNParameters parameters = get_parameters(FLANN_INDEX_KDTREE);
   parameters.trees = options->trees;
   parameters.checks = options->checks;

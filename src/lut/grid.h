@@ -37,10 +37,10 @@ typedef struct StyTreeLevel {
  * R-trees", 1993. Empty when count is 0. */
 typedef struct StyTree {
   int dims;
-  size_t count;     /* distinct points */
-  float *at[3];     /* padded to whole leaves with the last point */
+  size_t count; /* distinct points */
+  float *at[3]; /* padded to whole leaves with the last point */
   int32_t *pixels;
-  int level_count;  /* levels[0] are the leaves */
+  int level_count; /* levels[0] are the leaves */
   StyTreeLevel levels[STY_TREE_LEVELS];
 } StyTree;
 
@@ -58,7 +58,7 @@ typedef struct StyCells {
   uint32_t *first;        /* per cell and one more: where its points begin */
   float *x, *y;
   int32_t *pixels;
-  double reach;           /* a point in here serves no texel farther away than this */
+  double reach; /* a point in here serves no texel farther away than this */
 } StyCells;
 
 /* Fills the table from both; cells may be empty (columns 0). Which of the

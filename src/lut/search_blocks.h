@@ -48,9 +48,7 @@ INLINE Floats spread_float(float value) { return value - (Floats){0}; }
 INLINE Ints spread_int(int32_t value) { return value - (Ints){0}; }
 
 INLINE Ints select_ints(Ints mask, Ints yes, Ints no) { return (mask & yes) | (~mask & no); }
-INLINE Floats select_floats(Ints mask, Floats yes, Floats no) {
-  return (Floats)select_ints(mask, (Ints)yes, (Ints)no);
-}
+INLINE Floats select_floats(Ints mask, Floats yes, Floats no) { return (Floats)select_ints(mask, (Ints)yes, (Ints)no); }
 INLINE Floats pick_larger(Floats a, Floats b) { return select_floats(a > b, a, b); }
 
 enum { SIDE = STY_BLOCK_SIDE, LANES = SIDE * SIDE };
@@ -145,8 +143,7 @@ INLINE bool concerns_lanes(int dims, const Block *block, const StyTreeLevel *lev
 }
 
 /* Points begin to end - 1 against all lanes. */
-INLINE void test_points(int dims, Block *block, float *const at[3], const int32_t *pixels, size_t begin,
-                                  size_t end) {
+INLINE void test_points(int dims, Block *block, float *const at[3], const int32_t *pixels, size_t begin, size_t end) {
   __m512 lanes[3], best = _mm512_load_ps(block->best);
   __m512i found = _mm512_load_si512(block->pixels);
   for (int k = 0; k < dims; k++) lanes[k] = _mm512_load_ps(block->at[k]);
@@ -172,8 +169,7 @@ INLINE void test_points(int dims, Block *block, float *const at[3], const int32_
 
 INLINE float find_worst(const Block *block) {
   Floats worst = load_floats(block->best);
-  for (int l = WIDTH; l < LANES; l += WIDTH)
-    worst = pick_larger(worst, load_floats(block->best + l));
+  for (int l = WIDTH; l < LANES; l += WIDTH) worst = pick_larger(worst, load_floats(block->best + l));
   float largest = worst[0];
   for (int l = 1; l < WIDTH; l++) largest = worst[l] > largest ? worst[l] : largest;
   return largest;
@@ -198,8 +194,7 @@ INLINE bool concerns_lanes(int dims, const Block *block, const StyTreeLevel *lev
   return all != 0;
 }
 
-INLINE void test_points(int dims, Block *block, float *const at[3], const int32_t *pixels, size_t begin,
-                                  size_t end) {
+INLINE void test_points(int dims, Block *block, float *const at[3], const int32_t *pixels, size_t begin, size_t end) {
   enum { PARTS = LANES / WIDTH };
   Floats best[PARTS], lanes[3][PARTS];
   Ints found[PARTS];
@@ -233,8 +228,8 @@ INLINE void test_points(int dims, Block *block, float *const at[3], const int32_
 /* ---- the tree ----------------------------------------------------------------- */
 
 /* Squared distances from a box to the children of a node: the eight from `begin`. */
-INLINE void measure_children(int dims, const StyTreeLevel *level, size_t begin, const float low[3],
-                                       const float high[3], float out[STY_FAN]) {
+INLINE void measure_children(int dims, const StyTreeLevel *level, size_t begin, const float low[3], const float high[3],
+                             float out[STY_FAN]) {
   for (int c = 0; c < STY_FAN; c += WIDTH) {
     Floats sum = {0};
     for (int k = 0; k < dims; k++) {
@@ -248,8 +243,8 @@ INLINE void measure_children(int dims, const StyTreeLevel *level, size_t begin, 
 }
 
 /* Pushes the children that may hold an answer, the nearest on top. */
-INLINE int push_children(int dims, const StyTree *tree, const Node *node, const float low[3],
-                                   const float high[3], float worst, Node *stack, int height) {
+INLINE int push_children(int dims, const StyTree *tree, const Node *node, const float low[3], const float high[3],
+                         float worst, Node *stack, int height) {
   const StyTreeLevel *level = &tree->levels[node->level];
   const size_t begin = (size_t)node->number * STY_FAN;
   float distances[STY_FAN];
@@ -273,8 +268,7 @@ INLINE void search_tree(int dims, const StyTree *tree, Block *block) {
   while (height) {
     const Node node = stack[--height];
     if (node.distance > worst) continue;
-    if (node.level + 1 < tree->level_count &&
-        !concerns_lanes(dims, block, &tree->levels[node.level + 1], node.number))
+    if (node.level + 1 < tree->level_count && !concerns_lanes(dims, block, &tree->levels[node.level + 1], node.number))
       continue;
     if (node.level >= 0) {
       height = push_children(dims, tree, &node, block->low, block->high, worst, stack, height);

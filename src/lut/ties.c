@@ -90,15 +90,14 @@ static StyStatus search_row(void *context, long j, StyError *error) {
     sty_make_query(measure, &job->lut->spec, i, (int)j, &query);
     status = search_texel(job, &query, crowd, &answer, error);
     if (!status)
-      sty_set_texel(job->lut, measure, (size_t)j * (size_t)width + (size_t)i,
-                    job->search->points->pixels[answer.point], answer.squared);
+      sty_set_texel(job->lut, measure, (size_t)j * (size_t)width + (size_t)i, job->search->points->pixels[answer.point],
+                    answer.squared);
   }
   free(crowd);
   return status;
 }
 
-StyStatus sty_search_table(const char *name, const StySearch *search, StyLut *lut, const StyRun *run,
-                           StyError *error) {
+StyStatus sty_search_table(const char *name, const StySearch *search, StyLut *lut, const StyRun *run, StyError *error) {
   Job job = {name, search, lut};
   return sty_parallel_for(run, lut->spec.height, search_row, &job, error);
 }

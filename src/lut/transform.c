@@ -20,9 +20,9 @@ static const uint32_t empty = UINT32_MAX;
 typedef struct Transform {
   StyLut *lut;
   StyMeasure measure;
-  uint32_t pixels[LEVELS][LEVELS];    /* lowest pixel of each value, or `empty`; rows are gy, byte 0 first */
-  int16_t below[LEVELS][LEVELS];      /* the last occupied row at or before this one, in this column; -1: none */
-  int16_t above[LEVELS + 1][LEVELS];  /* the first at or after; LEVELS: none */
+  uint32_t pixels[LEVELS][LEVELS];   /* lowest pixel of each value, or `empty`; rows are gy, byte 0 first */
+  int16_t below[LEVELS][LEVELS];     /* the last occupied row at or before this one, in this column; -1: none */
+  int16_t above[LEVELS + 1][LEVELS]; /* the first at or after; LEVELS: none */
 } Transform;
 
 static size_t fill_values(Transform *t, const StySites *sites) {

@@ -1,0 +1,168 @@
+#include <math.h>
+
+#include "../scratch.h"
+#include "stylut/audit.h"
+#include "stylut/guide.h"
+#include "stylut/lut.h"
+
+static StyImage *make_sphere(int side) {
+  StyImage *guide = NULL;
+  assert_int_equal(sty_make_sphere_guide(side, side, STY_GUIDE_NORMAL, &guide, NULL), STY_OK);
+  return guide;
+}
+
+/* `copies` spheres side by side: every value stands in as many places. */
+static StyImage *make_row_of_spheres(int side, int copies) {
+  static const char *const names[] = {"A", "normal.X", "normal.Y"};
+  StyImage *sphere = make_sphere(side), *row = NULL;
+  assert_int_equal(sty_create_image(side * copies, side, 3, names, 32, &row, NULL), STY_OK);
+  for (int c = 0; c < 3; c++)
+    for (int y = 0; y < side; y++)
+      for (int x = 0; x < side * copies; x++)
+        sty_find_channel(row, names[c])[y * side * copies + x] =
+            sty_find_channel(sphere, names[c])[y * side + x % side];
+  sty_destroy_image(&sphere);
+  return row;
+}
+
+/* Values here and there: as ambiguous as it gets. */
+static StyImage *make_noise(int width, int height, int values, uint64_t *random) {
+  static const char *const names[] = {"A", "normal.X", "normal.Y"};
+  StyImage *guide = NULL;
+  assert_int_equal(sty_create_image(width, height, 3, names, 32, &guide, NULL), STY_OK);
+  const int count = width * height;
+  for (int i = 0; i < count; i++) {
+    guide->data[i] = (float)(i == 0 || draw_below(random, 5) > 0);
+    for (int c = 1; c < 3; c++) guide->data[c * count + i] = (float)draw_below(random, values) * 2 / (float)values - 1;
+  }
+  return guide;
+}
+
+typedef struct Tables {
+  StySites *sites;
+  StyLut *nearest, *coherent;
+} Tables;
+
+static Tables build(const StyImage *guide, StyLutSpec spec, double slack) {
+  Tables t = {0};
+  const StyEngine *engine = NULL;
+  StyError error = {STY_OK, ""};
+  assert_int_equal(sty_find_engine("-e", "auto", &engine, NULL), STY_OK);
+  assert_int_equal(sty_collect_sites("guide", guide, &t.sites, NULL), STY_OK);
+  assert_int_equal(sty_build_lut(t.sites, engine, NULL, &spec, NULL, &t.nearest, NULL), STY_OK);
+  assert_int_equal(sty_build_lut(t.sites, engine, NULL, &spec, NULL, &t.coherent, NULL), STY_OK);
+  if (sty_resolve_coherent(t.coherent, t.sites, slack, NULL, &error) != STY_OK) fail_msg("%s", error.text);
+  return t;
+}
+
+static void destroy(Tables *t) {
+  sty_destroy_sites(&t->sites);
+  sty_destroy_lut(&t->nearest);
+  sty_destroy_lut(&t->coherent);
+}
+
+static double count_jumps(const StyLut *lut) {
+  const int width = lut->spec.width, height = lut->spec.height, source = lut->source_width;
+  const double jump = 4.0 * (source > lut->source_height ? source : lut->source_height) / width;
+  long pairs = 0, jumps = 0;
+  for (int t = 0; t < width * height; t++)
+    for (int s = 0; s < 2; s++) {
+      const int i = t % width + (s == 0), j = t / width + (s == 1);
+      if (i >= width || j >= height || !sty_is_feasible(&lut->spec, t % width, t / width) ||
+          !sty_is_feasible(&lut->spec, i, j))
+        continue;
+      const int p = (int)lut->pixels[t], q = (int)lut->pixels[j * width + i];
+      pairs++;
+      jumps += hypot(p % source - q % source, p / source - q / source) > jump;
+    }
+  return pairs ? (double)jumps / (double)pairs : 0;
+}
+
+/* The distance that the table states is the one its pixel has, and not beyond the slack. */
+static void expect_within_slack(const Tables *t, const StyImage *guide, double slack) {
+  const float *a = sty_find_channel(guide, "A"), *x = sty_find_channel(guide, "normal.X"),
+              *y = sty_find_channel(guide, "normal.Y");
+  for (size_t texel = 0; texel < sty_count_texels(&t->coherent->spec); texel++) {
+    const uint32_t pixel = t->coherent->pixels[texel];
+    float g[2];
+    sty_get_texel_value(&t->coherent->spec, (int)texel % t->coherent->spec.width, (int)texel / t->coherent->spec.width,
+                        g);
+    assert_true(a[pixel] > 0);
+    const double distance = (double)t->coherent->errors[texel], least = (double)t->nearest->errors[texel];
+    if (!(distance <= least + slack)) fail_msg("texel %zu: %g, beyond %g + %g", texel, distance, least, slack);
+    if (t->coherent->spec.metric == STY_METRIC_XY)
+      assert_true(fabs(hypot((double)g[0] - x[pixel], (double)g[1] - y[pixel]) - distance) < 1e-6);
+  }
+}
+
+/* ---- tests --------------------------------------------------------------------- */
+
+static void test_sphere_stays(void **state) {
+  (void)state;
+  StyImage *guide = make_sphere(128);
+  Tables t = build(guide, (StyLutSpec){.width = 64, .height = 64}, 4 * STY_LEVEL);
+  assert_memory_equal(t.coherent->pixels, t.nearest->pixels, sty_count_texels(&t.nearest->spec) * 4);
+  assert_memory_equal(t.coherent->errors, t.nearest->errors, sty_count_texels(&t.nearest->spec) * 4);
+  destroy(&t);
+  sty_destroy_image(&guide);
+}
+
+/* Three equal spheres: the tie rule alone scatters over them, a coherent table needs one only. */
+static void test_copies(void **state) {
+  (void)state;
+  StyImage *guide = make_row_of_spheres(64, 3);
+  for (int metric = 0; metric < 2; metric++) {
+    Tables t = build(guide, (StyLutSpec){.width = 64, .height = 64, .metric = (StyMetric)metric}, STY_LEVEL);
+    assert_true(count_jumps(t.coherent) <= count_jumps(t.nearest));
+    assert_true(count_jumps(t.coherent) < 0.001);
+    expect_within_slack(&t, guide, STY_LEVEL);
+    destroy(&t);
+  }
+  sty_destroy_image(&guide);
+}
+
+static void test_noise(void **state) {
+  (void)state;
+  uint64_t random = 7;
+  for (int trial = 0; trial < 40; trial++) {
+    const double slack = trial % 4 ? draw_below(&random, 40) * STY_LEVEL : 0;
+    StyImage *guide = make_noise(1 + draw_below(&random, 60), 1 + draw_below(&random, 60), 2 + draw_below(&random, 30),
+                                 &random);
+    const StyLutSpec spec = {1 + draw_below(&random, 40), 1 + draw_below(&random, 40), STY_SAMPLE_CENTRE,
+                             (StyMap)draw_below(&random, 2), (StyMetric)draw_below(&random, 2)};
+    Tables t = build(guide, spec, slack);
+    expect_within_slack(&t, guide, slack);
+    destroy(&t);
+    sty_destroy_image(&guide);
+  }
+}
+
+/* A surface that shows each value many times over must come out far calmer. */
+static void test_calms(void **state) {
+  (void)state;
+  uint64_t random = 3;
+  StyImage *guide = make_row_of_spheres(48, 4);
+  /* A little noise on each copy: now the exact nearest neighbour jumps between them. */
+  for (int c = 1; c < 3; c++)
+    for (size_t i = 0; i < sty_count_pixels(guide); i++)
+      guide->data[(size_t)c * sty_count_pixels(guide) + i] += draw_signed(&random) * 0.004f;
+  Tables t = build(guide, (StyLutSpec){.width = 64, .height = 64}, 4 * STY_LEVEL);
+  assert_true(count_jumps(t.nearest) > 0.4);
+  assert_true(count_jumps(t.coherent) < 0.05);
+  expect_within_slack(&t, guide, 4 * STY_LEVEL);
+  Tables again = build(guide, (StyLutSpec){.width = 64, .height = 64}, 4 * STY_LEVEL);
+  assert_memory_equal(t.coherent->pixels, again.coherent->pixels, sty_count_texels(&t.nearest->spec) * 4);
+  destroy(&t);
+  destroy(&again);
+  sty_destroy_image(&guide);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_sphere_stays),
+      cmocka_unit_test(test_copies),
+      cmocka_unit_test(test_noise),
+      cmocka_unit_test(test_calms),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
