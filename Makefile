@@ -26,6 +26,7 @@ BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev libflann-de
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
 TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config
+BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
@@ -145,16 +146,18 @@ missing_node = command -v npm >/dev/null || printf 'nodejs npm '
 
 .PHONY: deps
 deps: ## install the Debian packages that building, demo and tests need
-	@wanted=$$($(call missing,$(TEST_PACKAGES) $(STYLE_PACKAGES)); $(missing_node)); \
+	@wanted=$$($(call missing,$(BENCH_PACKAGES) $(STYLE_PACKAGES)); $(missing_node)); \
 	if [ -n "$$wanted" ]; then as=; [ "$$(id -u)" = 0 ] || as=sudo; \
 	  echo "installing: $$wanted"; \
 	  $$as apt-get update && DEBIAN_FRONTEND=noninteractive $$as apt-get install -y --no-install-recommends $$wanted; fi
 
-.PHONY: ensure-demo-packages ensure-test-packages
+.PHONY: ensure-demo-packages ensure-test-packages ensure-bench-packages
 ensure-demo-packages:
 	@[ -z "$$($(call missing,$(DEMO_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
 ensure-test-packages:
 	@[ -z "$$($(call missing,$(TEST_PACKAGES)); $(missing_node))" ] || $(MAKE) --no-print-directory deps
+ensure-bench-packages:
+	@[ -z "$$($(call missing,$(BENCH_PACKAGES)); $(missing_node))" ] || $(MAKE) --no-print-directory deps
 
 # ---- demo, tests, bench -----------------------------------------------------
 .PHONY: demo run-demo
@@ -170,11 +173,14 @@ run-tests: all $(TESTS) $(PAINT) $(BUILD)/tests/pack/write_ktx2
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
 
 .PHONY: bench
-bench: ensure-test-packages ## speed and memory beside a reference in the same run
+bench: ensure-bench-packages ## speed and memory beside a reference in the same run
 	@$(MAKE) --no-print-directory run-bench
 .PHONY: run-bench
-run-bench: $(TOOL) $(MODULE) $(BUILD)/tests/bench/bench
+run-bench: $(TOOL) $(MODULE) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/engines
 	@tests/bench/bench.sh $(BUILD)
+
+# The libraries that ours is measured against.
+$(BUILD)/tests/bench/engines: $(BUILD)/tests/bench/peers.cpp.o
 
 # The pictures and the model that stand in exemplars/, made anew.
 .PHONY: artwork

@@ -11,10 +11,16 @@
 #include "stylut/image_io.h"
 #include "stylut/parse.h"
 
+enum { MOST_FRAMES = 256 };
+
 typedef struct Arguments {
   Options options;
   const char *guide;
-  int size, sampling, map, metric; /* the last three are the spec's enums */
+  int size;                  /* 0: the smallest that meets the budget */
+  int sampling, map, metric; /* the spec's enums; map -1: either */
+  double max_p99;            /* degrees; 0: no budget */
+  const char *frames[MOST_FRAMES];
+  int frame_count;
   const char *engine_name;
   const StyEngine *engine;
   StyEngineOptions engine_options;
@@ -32,14 +38,24 @@ enum {
   KEY_CHECKS,
   KEY_PRECISION,
   KEY_RESOLVE,
-  KEY_SLACK
+  KEY_SLACK,
+  KEY_MAX_P99,
+  KEY_FRAMES
 };
+
+enum { MAP_ANY = -1 };
+
+/* Among the candidates of --size auto, so many smaller and larger ones are shown. */
+enum { SHOWN = 2 };
 
 static const char *const resolve_names[] = {"nearest", "coherent", NULL};
 enum { RESOLVE_NEAREST, RESOLVE_COHERENT };
 
 static const struct argp_option options_table[] = {
-    {"size", 's', "N", 0, "texels a side (default: 256)", 0},
+    {"size", 's', "N|auto", 0,
+     "texels a side, or auto: the smallest table that meets --max-p99, encoding included (default: 256)", 0},
+    {"max-p99", KEY_MAX_P99, "DEG", 0, "for --size auto: the lookup error that 99 % of the lookups stay within", 0},
+    {"frames", KEY_FRAMES, "FILE...", 0, "for --size auto: guides of real frames, whose lookups count", 0},
     {"engine", 'e', "NAME", 0,
      "exact: brute, flann-single, cgal, grid, or auto: the fastest of them; approximate: analytic, flann-forest, "
      "flann-auto (default: auto)",
@@ -50,7 +66,9 @@ static const struct argp_option options_table[] = {
      "StyleBlitUnity's (default: centre)",
      0},
     {"map", KEY_MAP, "KIND", 0,
-     "where values stand: xy, or equal-area: every texel covers the same solid angle (default: xy)", 0},
+     "where values stand: xy; equal-area: every texel covers the same solid angle; or, with --size auto, auto: "
+     "whichever does with less (default: xy)",
+     0},
     {"metric", KEY_METRIC, "KIND", 0, "what nearest means: xy, or angle between normals (default: xy)", 0},
     {"encoding", KEY_ENCODING, "KIND", 0, "f32 (EXR), rg16, rg8x2 or rg8 (PNG) (default: f32 for .exr, rg16 for .png)",
      0},
@@ -70,6 +88,14 @@ static const struct argp_option options_table[] = {
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
+  if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
+    status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
+  if (!status && arguments->size != 0 &&
+      (arguments->max_p99 > 0 || arguments->frame_count || arguments->map == MAP_ANY))
+    status = sty_fail(error, STY_ERROR_USAGE, "--size: found %d with %s, expected auto", arguments->size,
+                      arguments->max_p99 > 0   ? "--max-p99"
+                      : arguments->frame_count ? "--frames"
+                                               : "--map auto");
   if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
   if (!status) status = require_output(&arguments->options);
   if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
@@ -85,25 +111,54 @@ static StyStatus check_arguments(Arguments *arguments) {
   return STY_OK;
 }
 
+static StyStatus set_size(Arguments *arguments, const char *text) {
+  long long number = 0;
+  StyStatus status = STY_OK;
+  if (strcmp(text, "auto") != 0)
+    status = sty_parse_integer("--size", text, 1, STY_MAX_LUT_SIZE, &number, &arguments->options.error);
+  if (!status) arguments->size = (int)number;
+  return status;
+}
+
+static StyStatus set_map(Arguments *arguments, const char *text) {
+  if (strcmp(text, "auto") != 0)
+    return sty_parse_choice("--map", text, sty_map_names, &arguments->map, &arguments->options.error);
+  arguments->map = MAP_ANY;
+  return STY_OK;
+}
+
+static StyStatus add_frame(Arguments *arguments, const char *text) {
+  if (arguments->frame_count == MOST_FRAMES)
+    return sty_fail(&arguments->options.error, STY_ERROR_USAGE,
+                    "--frames: found more than %d files, expected at most that", MOST_FRAMES);
+  arguments->frames[arguments->frame_count++] = text;
+  return STY_OK;
+}
+
+/* The guide, then more frames once --frames was given. */
+static StyStatus take_file(Arguments *arguments, const char *text) {
+  if (arguments->guide && arguments->frame_count) return add_frame(arguments, text);
+  return take_argument(&arguments->options, &arguments->guide, text);
+}
+
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
   StyError *error = &arguments->options.error;
-  long long number = arguments->size;
+  long long number = 0;
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->guide, text); break;
+    case ARGP_KEY_ARG: status = take_file(arguments, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
-    case 's':
-      status = sty_parse_integer("--size", text, 1, STY_MAX_LUT_SIZE, &number, error);
-      arguments->size = (int)number;
-      break;
+    case 's': status = set_size(arguments, text); break;
+    case KEY_MAX_P99: status = sty_parse_number("--max-p99", text, 1e-6, 180, &arguments->max_p99, error); break;
+    case KEY_FRAMES: status = add_frame(arguments, text); break;
     case 'e': arguments->engine_name = text; break;
     case KEY_SAMPLING:
       status = sty_parse_choice("--sampling", text, sty_sampling_names, &arguments->sampling, error);
       break;
-    case KEY_MAP: status = sty_parse_choice("--map", text, sty_map_names, &arguments->map, error); break;
+    case KEY_MAP: status = set_map(arguments, text); break;
     case KEY_METRIC: status = sty_parse_choice("--metric", text, sty_metric_names, &arguments->metric, error); break;
     case KEY_RESOLVE: status = sty_parse_choice("--resolve", text, resolve_names, &arguments->resolve, error); break;
     case KEY_SLACK: status = sty_parse_number("--slack", text, 0, 255, &arguments->slack, error); break;
@@ -190,6 +245,57 @@ static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyErr
   return status;
 }
 
+static const char *name_bytes(size_t bytes, char out[32]) {
+  snprintf(out, 32, bytes < 1 << 20 ? "%.1f kB" : "%.1f MB", (double)bytes / (bytes < 1 << 20 ? 1e3 : 1e6));
+  return out;
+}
+
+/* What was chosen, and what its neighbours would cost and buy. */
+static void show_candidates(const StyCandidate *candidates, int count, int chosen) {
+  for (int c = 0; c < count; c++) {
+    if (c < chosen - SHOWN || c > chosen + SHOWN) continue;
+    char bytes[32];
+    printf("%s %-10s %4d: %9s, lookup p99 %.3f, mean %.3f degrees\n", c == chosen ? "*" : " ",
+           sty_map_names[candidates[c].spec.map], candidates[c].spec.width, name_bytes(candidates[c].bytes, bytes),
+           candidates[c].lookup.p99, candidates[c].lookup.mean);
+  }
+}
+
+static StyStatus choose_spec(Arguments *arguments, const StySites *sites, const StyImage *guide, StyLutSpec *spec,
+                             StyError *error) {
+  StyImage *frames[MOST_FRAMES] = {NULL};
+  StyCandidate candidates[STY_MOST_CANDIDATES];
+  int count = 0, chosen = -1;
+  StyStatus status = STY_OK;
+  for (int f = 0; !status && f < arguments->frame_count; f++)
+    status = read_guide(arguments->frames[f], &frames[f], error);
+  const StyAuditOptions options = {.weights = arguments->frame_count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC,
+                                   .frames = (const StyImage *const *)frames,
+                                   .frame_count = arguments->frame_count};
+  if (!status) {
+    const StyRun run = begin_progress(&arguments->options, "choosing");
+    status = sty_choose_size(sites, guide, spec, arguments->map == MAP_ANY, (StyEncoding)arguments->encoding, &options,
+                             arguments->max_p99, &run, candidates, &count, &chosen, error);
+    end_progress(&arguments->options);
+  }
+  for (int f = 0; f < arguments->frame_count; f++) sty_destroy_image(&frames[f]);
+  if (status) return status;
+  if (chosen < 0) {
+    int best = 0;
+    for (int c = 1; c < count; c++)
+      if (candidates[c].lookup.p99 < candidates[best].lookup.p99) best = c;
+    return sty_fail(error, STY_CHECK_FAILED,
+                    "--max-p99: found %.4g degrees at best (%s, size %d), expected at most %.4g",
+                    candidates[best].lookup.p99, sty_map_names[candidates[best].spec.map], candidates[best].spec.width,
+                    arguments->max_p99);
+  }
+  if (!arguments->options.quiet && !arguments->options.json) show_candidates(candidates, count, chosen);
+  *spec = candidates[chosen].spec;
+  arguments->size = spec->width;
+  arguments->map = (int)spec->map;
+  return STY_OK;
+}
+
 static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   Account account = {0};
@@ -199,7 +305,12 @@ static StyStatus run(Arguments *arguments) {
   const double start = get_milliseconds();
   StyStatus status = read_guide(arguments->guide, &guide, error);
   const double read = get_milliseconds();
+  double collecting = get_milliseconds();
   if (!status) status = sty_collect_sites(arguments->guide, guide, &sites, error);
+  collecting = get_milliseconds() - collecting;
+  StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
+                     arguments->map == MAP_ANY ? STY_MAP_XY : (StyMap)arguments->map, (StyMetric)arguments->metric};
+  if (!status && arguments->size == 0) status = choose_spec(arguments, sites, guide, &spec, error);
   sty_destroy_image(&guide);
   if (!status && arguments->options.dry_run) {
     status = report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s", arguments->size,
@@ -207,10 +318,9 @@ static StyStatus run(Arguments *arguments) {
     sty_destroy_sites(&sites);
     return status;
   }
+  const double start_build = get_milliseconds();
   if (!status) {
     const StyRun job = begin_progress(&arguments->options, "searching");
-    const StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling, (StyMap)arguments->map,
-                             (StyMetric)arguments->metric};
     status = sty_build_lut(sites, arguments->engine, &arguments->engine_options, &spec, &job, &lut, error);
     end_progress(&arguments->options);
     if (!status && arguments->resolve == RESOLVE_COHERENT) {
@@ -220,7 +330,7 @@ static StyStatus run(Arguments *arguments) {
     }
     if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
   }
-  const double built = get_milliseconds();
+  const double built = get_milliseconds() - start_build;
   if (!status) {
     account.points = sites->count;
     account.unique = lut->unique;
@@ -228,7 +338,7 @@ static StyStatus run(Arguments *arguments) {
     const double before = get_milliseconds();
     status = write_lut(arguments, lut, error);
     account.times[0] = read - start;
-    account.times[1] = built - read;
+    account.times[1] = collecting + built;
     account.times[2] = get_milliseconds() - before;
   }
   sty_destroy_sites(&sites);

@@ -228,7 +228,7 @@ StyStatus protect_inputs(Options *options, const char *output, const char *const
 }
 
 StyStatus finish_command(Options *options, StyStatus status) {
-  if (status && status < STY_CHECK_FAILED) fprintf(stderr, "stylut: error: %s\n", options->error.text);
+  if (status && options->error.status == status) fprintf(stderr, "stylut: error: %s\n", options->error.text);
   free(options->history);
   options->history = NULL;
   /* A full disk behind stdout must not pass for success. */

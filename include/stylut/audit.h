@@ -99,6 +99,33 @@ void sty_free_audit_maps(StyAuditMaps *maps);
 StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, const StyAuditOptions *options,
                         const StyRun *run, StyAudit *out, StyAuditMaps *maps, StyError *error);
 
+/* The lookup error alone (see StyAudit). */
+StyStatus sty_audit_lookup(const StyLut *lut, const StyImage *guide, const StyAuditOptions *options, StyFigures *out,
+                           StyError *error);
+
+/* ---- the smallest table that will do -------------------------------------------- */
+
+/* A table that was tried. */
+typedef struct StyCandidate {
+  StyLutSpec spec;
+  size_t bytes;      /* of its texture */
+  StyFigures lookup; /* encoding included */
+} StyCandidate;
+
+enum { STY_MOST_CANDIDATES = 48 };
+
+/* Builds exact tables of growing size (each about 1.41 times the last, from 16
+ * to 4096 a side), in the given encoding, with the metric and sampling of
+ * *spec, and with both maps where `any_map` is set and the sampling allows it;
+ * finds the one with the fewest bytes whose lookup p99 is at most `budget`
+ * degrees. Growing ends two sizes after the budget is met, so that one sees what
+ * more would buy, or when three sizes in a row bring no more than 1 %.
+ * `candidates` has room for STY_MOST_CANDIDATES and receives all that were
+ * tried, by bytes; *chosen is the one to take, or -1 where none will do. */
+StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, bool any_map,
+                          StyEncoding encoding, const StyAuditOptions *options, double budget, const StyRun *run,
+                          StyCandidate *candidates, int *count, int *chosen, StyError *error);
+
 /* The audit as JSON, schema stylut-audit/1; the caller frees it. NULL when
  * memory is short. */
 char *sty_format_audit(const StyAudit *audit);

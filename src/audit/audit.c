@@ -327,6 +327,17 @@ static StyStatus create_maps(size_t texels, StyAuditMaps *out, StyError *error) 
   return STY_OK;
 }
 
+StyStatus sty_audit_lookup(const StyLut *lut, const StyImage *guide, const StyAuditOptions *options, StyFigures *out,
+                           StyError *error) {
+  StyAudit audit = {.spec = lut->spec};
+  Case c = {.lut = lut, .exact = lut, .options = options, .audit = &audit};
+  StyStatus status = sty_find_planes(guide, &c.guide, error);
+  if (!status) status = check_case(lut, lut, guide, error);
+  if (!status) status = measure_lookups(&c, error);
+  if (!status) *out = audit.lookup;
+  return status;
+}
+
 StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, const StyAuditOptions *options,
                         const StyRun *run, StyAudit *out, StyAuditMaps *maps, StyError *error) {
   const double source_side = guide->width > guide->height ? guide->width : guide->height;

@@ -231,8 +231,7 @@ static StyStatus trace_bare_tile(void *context, long tile, StyError *error) {
   bare->sums[tile] = 0;
   bare->hits[tile] = 0;
   for (int y = y0; y < y0 + TILE; y += BLOCK_HEIGHT)
-    for (int x = x0; x < x0 + TILE; x += BLOCK_WIDTH)
-      trace_bare_block(bare, tile, &rays, x, y);
+    for (int x = x0; x < x0 + TILE; x += BLOCK_WIDTH) trace_bare_block(bare, tile, &rays, x, y);
   return STY_OK;
 }
 

@@ -126,8 +126,8 @@ static void test_noise(void **state) {
   uint64_t random = 7;
   for (int trial = 0; trial < 40; trial++) {
     const double slack = trial % 4 ? draw_below(&random, 40) * STY_LEVEL : 0;
-    StyImage *guide = make_noise(1 + draw_below(&random, 60), 1 + draw_below(&random, 60), 2 + draw_below(&random, 30),
-                                 &random);
+    StyImage *guide =
+        make_noise(1 + draw_below(&random, 60), 1 + draw_below(&random, 60), 2 + draw_below(&random, 30), &random);
     const StyLutSpec spec = {1 + draw_below(&random, 40), 1 + draw_below(&random, 40), STY_SAMPLE_CENTRE,
                              (StyMap)draw_below(&random, 2), (StyMetric)draw_below(&random, 2)};
     Tables t = build(guide, spec, slack);
