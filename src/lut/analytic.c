@@ -17,6 +17,7 @@ typedef struct Job {
   const StySites *sites;
   StyLut *lut;
   const uint32_t *site_of_pixel; /* not_covered where the pixel shows nothing */
+  StyMeasure measure;
   float deviation;               /* of the guide's values from a perfect sphere's, at most */
 } Job;
 
@@ -44,15 +45,19 @@ static StyStatus check_sphere(const StySites *sites, float *deviation, StyError 
   return STY_OK;
 }
 
-static float measure_site(const StySites *sites, size_t site, const float g[2]) {
-  return sty_square_distance(2, g, sites->values + 2 * site);
+/* Squared, by the measure: float, or integer where the guide's values are levels. */
+static double measure_site(const Job *job, size_t site, const StyQuery *query) {
+  if (!job->measure.integer) return (double)sty_square_distance(2, query->at, job->sites->values + 2 * site);
+  const double dx = query->steps[0] - job->measure.scale * (double)job->sites->levels[2 * site];
+  const double dy = query->steps[1] - job->measure.scale * (double)job->sites->levels[2 * site + 1];
+  return dx * dx + dy * dy;
 }
 
 /* Sites ascend by pixel: the first at the minimum is the lowest. */
-static size_t scan_sites(const StySites *sites, const float g[2]) {
+static size_t scan_sites(const Job *job, const StyQuery *query) {
   size_t nearest = 0;
-  for (size_t s = 1; s < sites->count; s++)
-    if (measure_site(sites, s, g) < measure_site(sites, nearest, g)) nearest = s;
+  for (size_t s = 1; s < job->sites->count; s++)
+    if (measure_site(job, s, query) < measure_site(job, nearest, query)) nearest = s;
   return nearest;
 }
 
@@ -62,15 +67,16 @@ static size_t scan_sites(const StySites *sites, const float g[2]) {
  * value as both legs of a right angle say. Mostly the first ring or two do; pixels may be missing at the
  * rim, in holes, or because a lower pixel has the same value. Where a whole
  * region is missing, looking at every site is quicker. */
-static size_t find_site_near(const Job *job, int x, int y, float gap, const float g[2]) {
+static size_t find_site_near(const Job *job, int x, int y, double gap, const StyQuery *query) {
   const int width = job->sites->width, height = job->sites->height;
   const int largest = width > height ? width : height;
   size_t nearest = job->sites->count;
-  float best = INFINITY;
+  double best = INFINITY; /* squared, in the measure's steps */
+  const double unit = job->measure.unit * job->measure.unit;
   for (int ring = 0;; ring++) {
-    const float least = ((float)ring - 0.5f) * 2 / (float)largest - 2 * job->deviation;
-    if (least > 0 && least * least + gap * gap > best) return nearest;
-    if (ring > most_rings) return scan_sites(job->sites, g);
+    const double least = (ring - 0.5) * 2 / largest - 2 * (double)job->deviation;
+    if (least > 0 && least * least + gap * gap > best * unit) return nearest;
+    if (ring > most_rings) return scan_sites(job, query);
     for (int dy = -ring; dy <= ring; dy++) {
       const int step = abs(dy) == ring || ring == 0 ? 1 : 2 * ring;
       for (int dx = -ring; dx <= ring; dx += step) {
@@ -78,7 +84,7 @@ static size_t find_site_near(const Job *job, int x, int y, float gap, const floa
         if (px < 0 || py < 0 || px >= width || py >= height) continue;
         const uint32_t site = job->site_of_pixel[(size_t)py * (size_t)width + (size_t)px];
         if (site == not_covered) continue;
-        const float distance = measure_site(job->sites, site, g);
+        const double distance = measure_site(job, site, query);
         if (distance < best || (distance == best && site < nearest)) {
           best = distance;
           nearest = site;
@@ -91,19 +97,19 @@ static size_t find_site_near(const Job *job, int x, int y, float gap, const floa
 static StyStatus build_row(void *context, long j, StyError *error) {
   (void)error;
   const Job *job = context;
-  const StyMeasure measure = {.dims = 2, .unit = 1};
   const int width = job->sites->width, height = job->sites->height, columns = job->lut->spec.width;
   for (int i = 0; i < columns; i++) {
-    float g[2];
-    sty_get_texel_value(&job->lut->spec, i, (int)j, g);
+    StyQuery query;
+    sty_make_query(&job->measure, &job->lut->spec, i, (int)j, &query);
+    const float *g = query.at;
     /* Outside the disc the nearest place is on its rim. */
     const float radius = sqrtf(g[0] * g[0] + g[1] * g[1]);
     const float pull = radius > 1 ? 1 / radius : 1, gap = fmaxf(0, radius - 1 - 2 * job->deviation);
     const int x = (int)((g[0] * pull * 0.5f + 0.5f) * (float)width);
     const int y = (int)((0.5f - g[1] * pull * 0.5f) * (float)height);
-    const size_t site = find_site_near(job, x, y, gap, g);
-    sty_set_texel(job->lut, &measure, (size_t)j * (size_t)columns + (size_t)i, job->sites->pixels[site],
-                  (double)measure_site(job->sites, site, g));
+    const size_t site = find_site_near(job, x, y, (double)gap, &query);
+    sty_set_texel(job->lut, &job->measure, (size_t)j * (size_t)columns + (size_t)i, job->sites->pixels[site],
+                  measure_site(job, site, &query));
   }
   return STY_OK;
 }
@@ -122,7 +128,7 @@ StyStatus sty_build_analytic(const StySites *sites, const StyEngineOptions *opti
   if (!site_of_pixel) return sty_fail_memory(error, "engine analytic", (double)pixels * 4);
   memset(site_of_pixel, 0xff, pixels * sizeof *site_of_pixel);
   for (size_t s = 0; s < sites->count; s++) site_of_pixel[sites->pixels[s]] = (uint32_t)s;
-  Job job = {sites, lut, site_of_pixel, deviation};
+  Job job = {sites, lut, site_of_pixel, sty_choose_measure(sites, &lut->spec), deviation};
   const StyStatus status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);
   free(site_of_pixel);
   return status;

@@ -182,11 +182,13 @@ static void run_case(const StyImage *guide, int size, bool without_flann, Result
   for (size_t t = 0; t < texels; t++) sty_get_texel_value(&spec, (int)t % size, (int)t / size, queries + 2 * t);
   for (int run = 0; run < RUNS; run++) {
     for (int p = 0; p < PEERS; p++) {
-      const bool slow = run > 0 && r->peers[p][run - 1] > patience;
-      r->peers[p][run] =
-          slow ? r->peers[p][run - 1]
-               : peers[p].search(peers[p].collapsed ? points.values : sites->values,
-                                 peers[p].collapsed ? points.count : sites->count, queries, texels, nearest);
+      if (without_flann && peers[p].search == search_with_flann)
+        r->peers[p][run] = INFINITY;
+      else if (run > 0 && r->peers[p][run - 1] > patience)
+        r->peers[p][run] = r->peers[p][run - 1];
+      else
+        r->peers[p][run] = peers[p].search(peers[p].collapsed ? points.values : sites->values,
+                                           peers[p].collapsed ? points.count : sites->count, queries, texels, nearest);
     }
     for (int u = 0; u < UNITS; u++) {
       setenv("STYLUT_VECTOR", units[u], 1);

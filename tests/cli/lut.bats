@@ -15,13 +15,34 @@ setup_file() {
 
 # same_tables GUIDE SIZE ENGINE...: all give the bytes of brute.
 same_tables() {
-  local guide=$1 size=$2 engine sampling
+  local guide=$1 size=$2 engine kind
   shift 2
-  for sampling in centre unorm8; do
-    accept lut "$guide" -s "$size" --sampling $sampling -e brute --no-history -o brute.exr || return 1
+  for kind in '' '--sampling unorm8' '--map equal-area'; do
+    # shellcheck disable=SC2086
+    accept lut "$guide" -s "$size" $kind -e brute --no-history -o brute.exr || return 1
     for engine in "$@"; do
       rm -f other.exr
-      accept lut "$guide" -s "$size" --sampling $sampling -e "$engine" --no-history -o other.exr || return 1
+      # shellcheck disable=SC2086
+      accept lut "$guide" -s "$size" $kind -e "$engine" --no-history -o other.exr || return 1
+      expect_same brute.exr other.exr
+    done
+  done
+}
+
+# All exact engines of this build but brute.
+exact_engines() {
+  local engines='flann-single grid auto'
+  ! "$STYLUT" --version | grep -q CGAL || engines+=' cgal'
+  echo "$engines"
+}
+
+# same_by_angle GUIDE SIZE: the other metric, which the analytic engine doesn't know.
+same_by_angle() {
+  local map engine
+  for map in xy equal-area; do
+    accept lut "$1" -s "$2" --metric angle --map $map -e brute --no-history -o brute.exr || return 1
+    for engine in $(exact_engines); do
+      accept lut "$1" -s "$2" --metric angle --map $map -e "$engine" --no-history -o other.exr || return 1
       expect_same brute.exr other.exr
     done
   done
@@ -29,25 +50,121 @@ same_tables() {
 
 @test "engines give the same bytes: spheres" {
   bring 'sphere*' wide.exr
-  beside same_tables sphere.exr 48 flann-single analytic
-  beside same_tables wide.exr 33 flann-single analytic
-  beside same_tables sphere8.png 48 flann-single
-  beside same_tables sphere16.png 48 flann-single
+  beside same_tables sphere.exr 48 $(exact_engines) analytic
+  beside same_tables wide.exr 33 $(exact_engines) analytic
+  beside same_tables sphere8.png 48 $(exact_engines)
+  beside same_tables sphere16.png 48 $(exact_engines)
   wait
 }
 
 @test "engines give the same bytes: the creature" {
   bring 'creature*'
-  beside same_tables creature.exr 64 flann-single
-  beside same_tables creature8.png 64 flann-single
-  beside same_tables creature16.png 64 flann-single
+  beside same_tables creature.exr 64 $(exact_engines)
+  beside same_tables creature8.png 64 $(exact_engines)
+  beside same_tables creature16.png 64 $(exact_engines)
   wait
+}
+
+@test "engines give the same bytes: by angle" {
+  bring sphere.exr creature8.png creature.exr
+  beside same_by_angle sphere.exr 40
+  beside same_by_angle creature8.png 40
+  beside same_by_angle creature.exr 40
+  wait
+}
+
+@test "vector units and threads give the same bytes" {
+  accept guide sphere -s 300 -o large.exr
+  local unit threads
+  accept lut large.exr -s 200 -e flann-single --no-history -o reference.exr
+  for unit in plain avx2 avx512; do
+    for threads in 1 2 3; do
+      STYLUT_VECTOR=$unit accept lut large.exr -s 200 -e grid -j $threads --no-history -o $unit.exr
+      expect_same reference.exr $unit.exr
+    done
+  done
+}
+
+@test "approximate engines say that they are, and err little" {
+  bring creature.exr
+  local engine
+  for engine in flann-forest flann-auto; do
+    accept lut creature.exr -s 64 -e $engine -o t.exr --format json
+    expect "$engine is exact" "$(json - r.exact <<<"$output")" false
+    accept check t.exr --guide creature.exr --format json --max-excess 5
+    expect_less "share of $engine's misses" "$(json - '1 - r.optimal' <<<"$output")" 0.6
+  done
+  accept lut creature.exr -s 64 -e flann-forest --trees 8 --checks 512 -o more.exr
+  accept check more.exr --guide creature.exr --format json
+  expect_less 'misses with more checks' "$(json - '1 - r.optimal' <<<"$output")" 0.05
+}
+
+@test "a coherent table is calmer and pays no more than its slack" {
+  accept guide scene "$exemplars/creature.ply" -s 256 -o large.exr
+  accept lut large.exr -s 128 -o nearest.exr
+  accept lut large.exr -s 128 --resolve coherent --slack 2 --no-history -o coherent.exr
+  accept lut large.exr -s 128 --resolve coherent --slack 2 --no-history -j 1 -o again.exr
+  expect_same coherent.exr again.exr
+  accept check nearest.exr --guide large.exr --format json
+  local jumps
+  jumps=$(json - r.jumps <<<"$output")
+  accept check coherent.exr --guide large.exr --format json --max-jumps 0.3
+  expect_less 'jumps of the coherent table' "$(json - r.jumps <<<"$output")" "$(awk -v j="$jumps" 'BEGIN { print j / 2 }')"
+  expect 'largest distance paid' "$(paste -d' ' <(dump nearest.exr error) <(dump coherent.exr error) |
+    awk '$6 - $3 > 2 * 2 / 255 + 1e-6 { print }' | wc -l)" 0
+  # A sphere is left alone.
+  bring sphere.exr
+  accept lut sphere.exr -s 48 --no-history -o a.exr
+  accept lut sphere.exr -s 48 --resolve coherent --no-history -o b.exr
+  expect_same a.exr b.exr
+}
+
+@test "--size auto takes the smallest table that meets the budget" {
+  accept guide sphere -s 200 -o large.exr
+  local size
+  accept lut large.exr -s auto --max-p99 4 --encoding rg16 --no-history -o auto.png --format json
+  size=$(json - r.size <<<"$output")
+  accept check auto.png --guide large.exr --max-p99 4
+  accept lut large.exr -s $((size * 100 / 142)) --encoding rg16 -o smaller.png
+  refuse_check smaller.png
+  accept lut large.exr -s "$size" --encoding rg16 --no-history -o same.png
+  expect_same auto.png same.png
+  # Equal areas do with less on a sphere.
+  accept lut large.exr -s auto --max-p99 4 --map auto --encoding rg16 -o either.png --format json
+  expect map "$(json - r.map <<<"$output")" equal-area
+  expect_less 'size of either map' "$(json - r.size <<<"$output")" "$size"
+  # What can't be met is said.
+  local status=0
+  output=$("$STYLUT" lut large.exr -s auto --max-p99 0.01 -o none.exr 2>&1) || status=$?
+  expect status $status 6
+  expect_match message "$output" '^stylut: error: --max-p99: found [0-9.]+ degrees at best .* expected at most 0.01$'
+  [ ! -e none.exr ] || complain "none.exr was written"
+  prove lut large.exr -s auto --max-p99 4 --frames large.exr large.exr -o framed.exr
+  refuse 1 max-p99 lut large.exr -s auto -o none.exr
+  refuse 1 auto lut large.exr -s 64 --max-p99 1 -o none.exr
+  refuse 1 auto lut large.exr -s 64 --map auto -o none.exr
+}
+refuse_check() {
+  local status=0
+  "$STYLUT" check "$1" --guide large.exr --max-p99 4 >/dev/null 2>&1 || status=$?
+  expect "status of $1" $status 6
+}
+
+@test "the table that a plugin ships is judged" {
+  need_data unity-plugin/lut.png unity-plugin/s_normals.png
+  accept check "$data/unity-plugin/lut.png" --guide "$data/unity-plugin/s_normals.png" --as unity --format json
+  expect 'share of nearest pixels' "$(json - 'r.optimal.toFixed(3)' <<<"$output")" 0.358
+  expect background "$(json - r.background <<<"$output")" 307
+  expect size "$(json - '[r.size, r.height].join()' <<<"$output")" 600,456
+  accept lut "$data/unity-plugin/s_normals.png" -s 256 -o ours.exr
+  accept check ours.exr --guide "$data/unity-plugin/s_normals.png" --max-excess 0 --format json
+  expect 'share of nearest pixels of ours' "$(json - r.optimal <<<"$output")" 1
 }
 
 @test "engines give the same bytes: painters' guides" {
   need_data unity-plugin/s_normals.png frames/golem.001.png
-  same_tables "$data/unity-plugin/s_normals.png" 24 flann-single auto
-  same_tables "$data/frames/golem.001.png" 16 flann-single auto
+  same_tables "$data/unity-plugin/s_normals.png" 24 $(exact_engines)
+  same_tables "$data/frames/golem.001.png" 16 $(exact_engines)
 }
 
 @test "the table is what an independent search finds" {
@@ -78,7 +195,7 @@ same_tables() {
   # Two colours only, each in many pixels.
   oiiotool --create 8x8 3 --fill:color=0.2,0.5,0.9 8x4 --fill:color=0.9,0.5,0.7 8x4+0+4 -d uint8 -o two.png
   local engine
-  for engine in brute flann-single; do
+  for engine in brute $(exact_engines); do
     accept lut two.png -s 8 -e $engine -o t.exr
     expect "sources by $engine" "$(dump t.exr u,v | cut -d' ' -f3- | sort -u | tr '\n' ',')" '0.062500000 0.062500000,0.062500000 0.562500000,'
   done
