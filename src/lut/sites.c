@@ -32,7 +32,7 @@ static StyStatus copy_values(const char *name, const StyImage *guide, const floa
 /* The byte whose value this is, or -1. */
 static int get_level(float value) {
   const int level = (int)((value + 1) * 127.5f + 0.5f);
-  return (float)(2 * level - 255) / 255.0f == value ? level & 255 : -1;
+  return level >= 0 && level < 256 && (float)(2 * level - 255) / 255.0f == value ? level : -1;
 }
 
 /* The bytes of all values, or NULL where one is something else. */
