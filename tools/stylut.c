@@ -22,6 +22,7 @@ static const Command commands[] = {
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
     {"info", "say what a file or bundle holds", run_info},
     {"validate", "verify a bundle, finding by finding", run_validate},
+    {"compare", "say whether and where two pictures differ", run_compare},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
