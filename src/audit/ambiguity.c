@@ -84,7 +84,7 @@ typedef struct Job {
 static bool measure_texel(const Job *job, int i, int j, StyNearList *list, Pieces *pieces) {
   const size_t texel = (size_t)j * (size_t)job->exact->spec.width + (size_t)i;
   StyQuery query;
-  sty_make_query(&job->measure, &job->exact->spec, i, j, &query);
+  sty_make_query(&job->measure, job->exact, i, j, &query);
   /* The margin lets the nearest itself in, whose distance was measured in float. */
   const double radius = (job->exact->errors[texel] + job->precision) * (1 + 1e-6) + 1e-7;
   if (!sty_list_near(&job->near, query.at, radius, list)) return false;

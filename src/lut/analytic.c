@@ -95,7 +95,7 @@ static StyStatus build_row(void *context, long j, StyError *error) {
   const int width = job->sites->width, height = job->sites->height, columns = job->lut->spec.width;
   for (int i = 0; i < columns; i++) {
     float g[2];
-    sty_get_texel_value(&job->lut->spec, i, (int)j, g);
+    sty_get_asked_value(job->lut, i, (int)j, g);
     /* Outside the disc the nearest place is on its rim. */
     const float radius = sqrtf(g[0] * g[0] + g[1] * g[1]);
     const float pull = radius > 1 ? 1 / radius : 1, gap = fmaxf(0, radius - 1 - 2 * job->deviation);
