@@ -192,7 +192,7 @@ artwork: $(PAINT) $(CREATURE) ## repaint the exemplars and mesh the creature aga
 # The README's pictures, from the demo's.
 .PHONY: pictures
 pictures: demo ## refresh the pictures that the README shows
-	@exemplars/pictures.sh build/demo exemplars/pictures
+	@exemplars/pictures.sh build/demo exemplars/pictures $(TOOL)
 
 .PHONY: style
 style: ## formatting, includes, shell scripts

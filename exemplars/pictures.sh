@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The README's pictures, made from the demo's. Usage: pictures.sh DEMO FOLDER
+# The README's pictures, made from the demo's. Usage: pictures.sh DEMO FOLDER STYLUT
 set -euo pipefail
 demo=$1
 out=$2
+stylut=$3
 mkdir -p "$out"
 
 # on_paper IN OUT WIDTH: over white, scaled to WIDTH, without metadata.
@@ -22,3 +23,11 @@ rm "$out/normals.tif"
 oiiotool "$demo/oil.lut.exr" --ch u,v,error --chnames R,G,B --mulc 1,1,4 -d uint8 --eraseattrib '.*' \
   --attrib DateTime '2000:01:01 00:00:00' -o "$out/lut.png"
 oiiotool "$demo/contact.png" --resize 50% -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/contact.png"
+
+# What blending does, as a heat map: the borders between the pieces.
+printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s", "params": {"radius": 0}}]}' \
+  "$(realpath "$(dirname "$0")/spheres/oil.png")" >"$demo/sharp.json"
+"$stylut" pack "$demo/sharp.json" -o "$demo/sharp" -q
+"$stylut" stylize "$demo/sharp" --guide "$demo/frame.exr" -o "$demo/sharp.png" -q
+"$stylut" compare "$demo/oil.png" "$demo/sharp.png" --failpercent 100 -o "$demo/heat.png" -q
+oiiotool "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"

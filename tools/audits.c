@@ -7,12 +7,8 @@ enum { KEY_GUIDE = 0x400, KEY_AS, KEY_WEIGHTS, KEY_FRAMES, KEY_TOLERANCE, KEY_PR
 
 const AuditArguments default_audit_arguments = {.tolerance = 4};
 
+/* What only audits ask for comes first, so that table_argp is the rest. */
 static const struct argp_option options_table[] = {
-    {"guide", KEY_GUIDE, "FILE", 0, "the guide the table was made for", 0},
-    {"as", KEY_AS, "KIND", 0,
-     "how to read a table of another tool: unity (StyleBlitUnity: 8-bit, y up), rg8, rg16, rg8x2 (default: as the "
-     "file says)",
-     0},
     {"weights", KEY_WEIGHTS, "KIND", 0,
      "what counts how much: disc (every place alike), sphere (solid angle), frames (default: disc, or frames where "
      "they are given)",
@@ -20,6 +16,11 @@ static const struct argp_option options_table[] = {
     {"frames", KEY_FRAMES, "FILE...", 0, "guides of real frames: weigh by what they ask for", 0},
     {"tolerance", KEY_TOLERANCE, "LEVELS", 0,
      "a value is covered when a source pixel lies within so many 8-bit levels (default: 4)", 0},
+    {"guide", KEY_GUIDE, "FILE", 0, "the guide the table was made for", 0},
+    {"as", KEY_AS, "KIND", 0,
+     "how to read a table of another tool: unity (StyleBlitUnity: 8-bit, y up), rg8, rg16, rg8x2 (default: as the "
+     "file says)",
+     0},
     {"precision", KEY_PRECISION, "LEVELS", 0,
      "what the guide's values can be trusted to, in 8-bit levels: rules ambiguity and stability (default: one step of "
      "the guide's own format)",
@@ -28,6 +29,7 @@ static const struct argp_option options_table[] = {
      "how far apart source pixels are a jump (default: 4 times the source's longer side over the table's)", 0},
     {0},
 };
+enum { AUDITS_ONLY = 3 };
 
 static StyStatus add_frame(AuditCommand *command, const char *text) {
   if (command->audit.frame_count == MOST_FRAMES)
@@ -56,6 +58,7 @@ static error_t parse_audit(int key, char *text, struct argp_state *state) {
 }
 
 const struct argp audit_argp = {.options = options_table, .parser = parse_audit};
+const struct argp table_argp = {.options = options_table + AUDITS_ONLY, .parser = parse_audit};
 
 StyStatus take_audit_argument(AuditCommand *command, const char *text) {
   if (command->audit.lut && command->audit.frame_count) return add_frame(command, text);
@@ -78,9 +81,8 @@ StyStatus check_audit_arguments(AuditCommand *command) {
   return STY_OK;
 }
 
-StyStatus open_audit(AuditCommand *command, AuditCase *out, StyError *error) {
+StyStatus open_table(const AuditCommand *command, AuditCase *out, StyError *error) {
   const AuditArguments *audit = &command->audit;
-  const StyEngine *engine = NULL;
   StyStatus status = read_guide(audit->guide, &out->guide, error);
   if (!status) {
     const StyLutHints hints = {out->guide->width, out->guide->height, -1, (StyForeign)audit->foreign};
@@ -89,6 +91,12 @@ StyStatus open_audit(AuditCommand *command, AuditCase *out, StyError *error) {
   }
   for (int f = 0; !status && f < audit->frame_count; f++) status = read_guide(audit->frames[f], &out->frames[f], error);
   if (!status) status = sty_collect_sites(audit->guide, out->guide, &out->sites, error);
+  return status;
+}
+
+StyStatus open_audit(AuditCommand *command, AuditCase *out, StyError *error) {
+  const StyEngine *engine = NULL;
+  StyStatus status = open_table(command, out, error);
   if (!status) status = sty_find_engine("engine", "auto", &engine, error);
   if (!status) {
     const StyRun run = begin_progress(&command->options, "searching");

@@ -17,14 +17,14 @@ typedef struct AuditArguments {
   double tolerance, precision, jump; /* 8-bit levels, 8-bit levels, pixels; the last two 0: by themselves */
 } AuditArguments;
 
-/* Must come second in the arguments of a command that uses audit_argp, right
- * after its Options. */
+/* First member of the arguments of a command that uses audit_argp or table_argp. */
 typedef struct AuditCommand {
   Options options;
   AuditArguments audit;
 } AuditCommand;
 
-extern const struct argp audit_argp; /* --guide --as --weights --frames --tolerance --precision --jump --seed */
+extern const struct argp audit_argp; /* --guide --as --weights --frames --tolerance --precision --jump */
+extern const struct argp table_argp; /* of these, for commands that look into a table: --guide --as --precision --jump */
 extern const AuditArguments default_audit_arguments;
 
 /* The command's arguments: the table, then more frames once --frames was given. */
@@ -39,6 +39,8 @@ typedef struct AuditCase {
   StyImage *frames[MOST_FRAMES];
 } AuditCase;
 
+/* All but the exact table. */
+StyStatus open_table(const AuditCommand *command, AuditCase *out, StyError *error);
 StyStatus open_audit(AuditCommand *command, AuditCase *out, StyError *error);
 void close_audit(AuditCase *subject);
 

@@ -11,5 +11,7 @@ StyStatus run_pack(int argc, char **argv);
 StyStatus run_stylize(int argc, char **argv);
 StyStatus run_info(int argc, char **argv);
 StyStatus run_validate(int argc, char **argv);
+StyStatus run_compare(int argc, char **argv);
+StyStatus run_probe(int argc, char **argv);
 
 #endif

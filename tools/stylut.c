@@ -17,11 +17,13 @@ typedef struct Command {
 static const Command commands[] = {
     {"guide", "render a guide map of a sphere or a mesh", run_guide},
     {"lut", "build the nearest-neighbour look-up table of a guide", run_lut},
+    {"probe", "send one guide value through a table, step by step", run_probe},
     {"check", "audit a table and hold it to budgets", run_check},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
     {"info", "say what a file or bundle holds", run_info},
     {"validate", "verify a bundle, finding by finding", run_validate},
+    {"compare", "say whether and where two pictures differ", run_compare},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 

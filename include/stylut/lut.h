@@ -82,6 +82,7 @@ typedef struct StyLut {
   size_t unique;                   /* distinct source values that were searched; 0 where not known */
   uint32_t *pixels;                /* per texel, row-major: index of the source pixel, y*source_width + x */
   float *errors;                   /* per texel: distance to that pixel's value by the metric */
+  const float *asked;              /* NULL; inside sty_ask_engine, what is asked in place of the texels' own values */
 } StyLut;
 
 /* An empty table. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
@@ -135,6 +136,14 @@ StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const St
  * apart than 4 * longer side of the source / longer side of the table is a jump).
  * Deterministic. A table without jumps is left as it is. */
 StyStatus sty_resolve_coherent(StyLut *lut, const StySites *sites, double slack, const StyRun *run, StyError *error);
+
+/* What an engine answers to one guide value, wherever the texels of tables stand:
+ * the source pixel, by the tie rule for exact engines, and its distance by the
+ * metric. Distances are compared in float, of 8-bit guides too. `options` may be
+ * NULL: the defaults. Errors as of sty_build_lut. */
+StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
+                         StyMetric metric, const float g[2], const StyRun *run, uint32_t *pixel, float *distance,
+                         StyError *error);
 
 /* How a table is stored. With u = (x+1/2)/W, v = (y+1/2)/H of the source pixel:
  *   f32    float channels u, v, error (EXR)

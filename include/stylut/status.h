@@ -20,7 +20,7 @@ typedef enum StyStatus {
   STY_ERROR_LIBRARY = 4,     /* a library failed, or memory ran out */
   STY_ERROR_UNAVAILABLE = 5, /* not built in */
   STY_CHECK_FAILED = 6,      /* a budget is exceeded (command line only) */
-  STY_FILES_DIFFER = 7       /* compared files differ (command line only) */
+  STY_FILES_DIFFER = 7       /* compared files differ */
 } StyStatus;
 
 typedef struct StyError {

@@ -73,6 +73,44 @@ static double measure_spread(const StyNearList *list, const StySites *sites) {
 
 /* ---- ambiguity ---------------------------------------------------------------- */
 
+/* What a thread needs for one place after another. */
+typedef struct Scratch {
+  StyNearList list;
+  Pieces pieces;
+} Scratch;
+
+static void free_scratch(Scratch *scratch) {
+  free(scratch->list.sites);
+  free(scratch->pieces.stretches);
+}
+
+/* False: memory is short. */
+static bool measure_choice(const StyNear *near, const float *at, double least, double precision, Scratch *scratch,
+                           StyChoice *out) {
+  const StyNearList *list = &scratch->list;
+  Pieces *pieces = &scratch->pieces;
+  /* The margin lets the nearest itself in, whose distance was measured in float. */
+  const double radius = (least + precision) * (1 + 1e-6) + 1e-7;
+  if (!sty_list_near(near, at, radius, &scratch->list)) return false;
+  if (pieces->capacity < list->count) {
+    Stretch *grown = realloc(pieces->stretches, list->count * sizeof *grown);
+    if (!grown) return false;
+    *pieces = (Pieces){grown, list->count};
+  }
+  const size_t count = cut_stretches(list, near->sites, pieces->stretches);
+  *out = (StyChoice){list->count, count_pieces(pieces->stretches, count), measure_spread(list, near->sites)};
+  return true;
+}
+
+StyStatus sty_measure_choice(const StyNear *near, const float *at, double least, double precision, StyChoice *out,
+                             StyError *error) {
+  Scratch scratch = {0};
+  const bool enough = measure_choice(near, at, least, precision, &scratch, out);
+  const size_t count = scratch.list.count;
+  free_scratch(&scratch);
+  return enough ? STY_OK : sty_fail_memory(error, "ambiguity", (double)count * sizeof(Stretch));
+}
+
 typedef struct Job {
   const StyLut *exact;
   StyNear near;
@@ -81,34 +119,27 @@ typedef struct Job {
   float *pieces, *spread;
 } Job;
 
-static bool measure_texel(const Job *job, int i, int j, StyNearList *list, Pieces *pieces) {
+static bool measure_texel(const Job *job, int i, int j, Scratch *scratch) {
   const size_t texel = (size_t)j * (size_t)job->exact->spec.width + (size_t)i;
   StyQuery query;
-  sty_make_query(&job->measure, &job->exact->spec, i, j, &query);
-  /* The margin lets the nearest itself in, whose distance was measured in float. */
-  const double radius = (job->exact->errors[texel] + job->precision) * (1 + 1e-6) + 1e-7;
-  if (!sty_list_near(&job->near, query.at, radius, list)) return false;
-  if (pieces->capacity < list->count) {
-    Stretch *grown = realloc(pieces->stretches, list->count * sizeof *grown);
-    if (!grown) return false;
-    *pieces = (Pieces){grown, list->count};
-  }
-  const size_t count = cut_stretches(list, job->near.sites, pieces->stretches);
-  job->pieces[texel] = (float)count_pieces(pieces->stretches, count);
-  job->spread[texel] = (float)measure_spread(list, job->near.sites);
+  sty_make_query(&job->measure, job->exact, i, j, &query);
+  StyChoice choice;
+  if (!measure_choice(&job->near, query.at, (double)job->exact->errors[texel], job->precision, scratch, &choice))
+    return false;
+  job->pieces[texel] = (float)choice.pieces;
+  job->spread[texel] = (float)choice.spread;
   return true;
 }
 
 static StyStatus measure_row(void *context, long j, StyError *error) {
   const Job *job = context;
-  StyNearList list = {0};
-  Pieces pieces = {0};
+  Scratch scratch = {0};
   bool enough = true;
   for (int i = 0; enough && i < job->exact->spec.width; i++)
-    if (sty_is_feasible(&job->exact->spec, i, (int)j)) enough = measure_texel(job, i, (int)j, &list, &pieces);
-  free(list.sites);
-  free(pieces.stretches);
-  return enough ? STY_OK : sty_fail_memory(error, "ambiguity", (double)list.count * sizeof(Stretch));
+    if (sty_is_feasible(&job->exact->spec, i, (int)j)) enough = measure_texel(job, i, (int)j, &scratch);
+  const size_t count = scratch.list.count;
+  free_scratch(&scratch);
+  return enough ? STY_OK : sty_fail_memory(error, "ambiguity", (double)count * sizeof(Stretch));
 }
 
 StyStatus sty_measure_ambiguity(const StyLut *exact, const StySites *sites, double precision, const StyRun *run,

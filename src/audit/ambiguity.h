@@ -2,7 +2,18 @@
 #ifndef STYLUT_SRC_AUDIT_AMBIGUITY_H
 #define STYLUT_SRC_AUDIT_AMBIGUITY_H
 
+#include "lut/near.h"
 #include "stylut/audit.h"
+
+/* The source pixels that one place might as well be answered with. */
+typedef struct StyChoice {
+  size_t pixels, pieces; /* pieces: connected ones (8-neighbours) */
+  double spread;         /* RMS distance from their centroid, pixels */
+} StyChoice;
+
+/* Of the sites within `precision` of `least`, the least distance from `at` (in the metric's space, guide units). */
+StyStatus sty_measure_choice(const StyNear *near, const float *at, double least, double precision, StyChoice *out,
+                             StyError *error);
 
 /* Per texel of the exact table: how many connected pieces (8-neighbours) the
  * source pixels within `precision` of the least distance form, and how far they

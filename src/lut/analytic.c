@@ -100,7 +100,7 @@ static StyStatus build_row(void *context, long j, StyError *error) {
   const int width = job->sites->width, height = job->sites->height, columns = job->lut->spec.width;
   for (int i = 0; i < columns; i++) {
     StyQuery query;
-    sty_make_query(&job->measure, &job->lut->spec, i, (int)j, &query);
+    sty_make_query(&job->measure, job->lut, i, (int)j, &query);
     const float *g = query.at;
     /* Outside the disc the nearest place is on its rim. */
     const float radius = sqrtf(g[0] * g[0] + g[1] * g[1]);

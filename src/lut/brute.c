@@ -48,7 +48,7 @@ static StyStatus build_row(void *context, long j, StyError *error) {
   const int width = job->lut->spec.width;
   for (int i = 0; i < width; i++) {
     StyQuery query;
-    sty_make_query(&job->points->measure, &job->lut->spec, i, (int)j, &query);
+    sty_make_query(&job->points->measure, job->lut, i, (int)j, &query);
     const size_t nearest = sty_scan_points(job->points, &query);
     sty_set_texel(job->lut, &job->points->measure, (size_t)j * (size_t)width + (size_t)i, job->points->pixels[nearest],
                   sty_measure_point(job->points, nearest, &query));

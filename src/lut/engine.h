@@ -47,7 +47,10 @@ typedef struct StyQuery {
   double steps[2]; /* for integer measures: the texel's place in steps */
 } StyQuery;
 
-void sty_make_query(const StyMeasure *measure, const StyLutSpec *spec, int i, int j, StyQuery *out);
+/* The guide value that texel (i, j) is to answer for: its own, unless another is asked. */
+void sty_get_asked_value(const StyLut *lut, int i, int j, float g[2]);
+
+void sty_make_query(const StyMeasure *measure, const StyLut *lut, int i, int j, StyQuery *out);
 
 /* Squared, in the shape that lut.h states: rounding depends on it. */
 static inline float sty_square_distance(int dims, const float a[], const float b[]) {

@@ -41,3 +41,22 @@ StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const St
     *out = lut;
   return status;
 }
+
+StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
+                         StyMetric metric, const float g[2], const StyRun *run, uint32_t *pixel, float *distance,
+                         StyError *error) {
+  const StyLutSpec spec = {1, 1, STY_SAMPLE_CENTRE, STY_MAP_XY, metric};
+  StySites values = *sites;
+  values.levels = NULL; /* the integer measure knows texels' places only */
+  StyLut *lut = NULL;
+  StyStatus status = sty_create_lut(&spec, sites->width, sites->height, &lut, error);
+  if (status) return status;
+  lut->asked = g;
+  status = engine->build(&values, options ? options : &sty_default_engine_options, lut, run, error);
+  if (!status) {
+    *pixel = lut->pixels[0];
+    *distance = lut->errors[0];
+  }
+  sty_destroy_lut(&lut);
+  return status;
+}

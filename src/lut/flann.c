@@ -88,7 +88,7 @@ static StyStatus answer_row(const Job *job, int j, float *queries, int *found, f
   const int width = job->lut->spec.width;
   StyQuery query;
   for (int i = 0; i < width; i++) {
-    sty_make_query(measure, &job->lut->spec, i, j, &query);
+    sty_make_query(measure, job->lut, i, j, &query);
     for (int k = 0; k < measure->dims; k++) queries[i * measure->dims + k] = query.at[k];
   }
   struct FLANNParameters parameters = job->index->parameters;
@@ -100,7 +100,7 @@ static StyStatus answer_row(const Job *job, int j, float *queries, int *found, f
       return sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN found no neighbour for texel (%d, %d)", job->name, i,
                       j);
     const size_t point = (size_t)found[i];
-    sty_make_query(measure, &job->lut->spec, i, j, &query);
+    sty_make_query(measure, job->lut, i, j, &query);
     sty_set_texel(job->lut, measure, (size_t)j * (size_t)width + (size_t)i, job->points->pixels[point],
                   sty_measure_point(job->points, point, &query));
   }

@@ -33,13 +33,20 @@ float sty_get_height(float x, float y) {
   return rest > 0 ? sqrtf(rest) : 0;
 }
 
-void sty_make_query(const StyMeasure *measure, const StyLutSpec *spec, int i, int j, StyQuery *out) {
+void sty_get_asked_value(const StyLut *lut, int i, int j, float g[2]) {
+  if (lut->asked)
+    memcpy(g, lut->asked + 2 * ((size_t)j * (size_t)lut->spec.width + (size_t)i), 2 * sizeof *g);
+  else
+    sty_get_texel_value(&lut->spec, i, j, g);
+}
+
+void sty_make_query(const StyMeasure *measure, const StyLut *lut, int i, int j, StyQuery *out) {
   float g[2];
-  sty_get_texel_value(spec, i, j, g);
+  sty_get_asked_value(lut, i, j, g);
   sty_lift(measure->dims, g, out->at);
   if (!measure->integer) return;
-  const int up = spec->height - 1 - j;
-  const bool centre = spec->sampling == STY_SAMPLE_CENTRE;
+  const int up = lut->spec.height - 1 - j;
+  const bool centre = lut->spec.sampling == STY_SAMPLE_CENTRE;
   out->steps[0] = 255.0 * (centre ? 2 * i + 1 : i);
   out->steps[1] = 255.0 * (centre ? 2 * up + 1 : up);
 }

@@ -70,7 +70,7 @@ static void set_texels(Resolve *r, const StyMeasure *measure, double slack) {
     for (int i = 0; i < spec->width; i++) {
       const size_t t = (size_t)j * (size_t)spec->width + (size_t)i;
       StyQuery query;
-      sty_make_query(measure, spec, i, j, &query);
+      sty_make_query(measure, r->lut, i, j, &query);
       memcpy(r->places + (size_t)r->dims * t, query.at, (size_t)r->dims * sizeof(float));
       /* The margin is for rounding: never beyond the slack. */
       const double limit = (double)r->lut->errors[t] + slack * (1 - 1e-6);

@@ -87,7 +87,7 @@ static StyStatus search_row(void *context, long j, StyError *error) {
   for (int i = 0; !status && i < width; i++) {
     StyQuery query;
     Answer answer = {0};
-    sty_make_query(measure, &job->lut->spec, i, (int)j, &query);
+    sty_make_query(measure, job->lut, i, (int)j, &query);
     status = search_texel(job, &query, crowd, &answer, error);
     if (!status)
       sty_set_texel(job->lut, measure, (size_t)j * (size_t)width + (size_t)i, job->search->points->pixels[answer.point],
