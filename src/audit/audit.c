@@ -299,6 +299,16 @@ static StyStatus measure_guide(const Case *c, const StyRun *run, StyError *error
   return STY_OK;
 }
 
+/* Weights are float and sum to about 1: of shares, a whole must be 1 to the bit. */
+static void normalize_shares(const Case *c) {
+  StyAudit *audit = c->audit;
+  double sum = 0;
+  for (size_t t = 0; t < sty_count_texels(&c->lut->spec); t++)
+    if (c->maps->weights[t] > 0) sum += (double)c->maps->weights[t];
+  double *const shares[] = {&audit->optimal, &audit->coverage, &audit->ambiguous, &audit->spread, &audit->unstable};
+  for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) *shares[k] /= sum;
+}
+
 /* ---- the whole ---------------------------------------------------------------- */
 
 static StyStatus check_case(const StyLut *lut, const StyLut *exact, const StyImage *guide, StyError *error) {
@@ -359,6 +369,7 @@ StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *
   if (!status) status = measure_usage(&c, error);
   if (!status) measure_coherence(&c);
   if (!status) status = measure_guide(&c, run, error);
+  if (!status) normalize_shares(&c);
   sty_destroy_sites(&c.sites);
   if (status || !maps)
     sty_free_audit_maps(&planes);
