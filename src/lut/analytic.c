@@ -18,7 +18,7 @@ typedef struct Job {
   StyLut *lut;
   const uint32_t *site_of_pixel; /* not_covered where the pixel shows nothing */
   StyMeasure measure;
-  float deviation;               /* of the guide's values from a perfect sphere's, at most */
+  float deviation; /* of the guide's values from a perfect sphere's, at most */
 } Job;
 
 static void get_sphere_value(const StySites *sites, uint32_t pixel, float g[2]) {

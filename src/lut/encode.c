@@ -231,8 +231,7 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
   StyLut *lut = NULL;
   status = sty_create_lut(&spec, facts.source_width, facts.source_height, &lut, error);
   /* What nobody may ask for is the file's fault here. */
-  if (status == STY_ERROR_USAGE)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: %s", name, error ? error->text : "");
+  if (status == STY_ERROR_USAGE) return sty_fail(error, STY_ERROR_INPUT, "%s: %s", name, error ? error->text : "");
   if (status) return status;
   const float *errors = is_float ? sty_find_channel(image, float_names[2]) : NULL;
   if (errors) memcpy(lut->errors, errors, sty_count_pixels(image) * sizeof *errors);
