@@ -18,6 +18,7 @@ static const Command commands[] = {
     {"guide", "render a guide map of a sphere or a mesh", run_guide},
     {"lut", "build the nearest-neighbour look-up table of a guide", run_lut},
     {"check", "audit a table and hold it to budgets", run_check},
+    {"report", "show the audit of a table as a page with maps and charts", run_report},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
     {"info", "say what a file or bundle holds", run_info},

@@ -2,7 +2,7 @@
 # Help, versions, progress, and what make and make install promise.
 load helpers
 
-commands=(guide lut check pack stylize info validate)
+commands=(guide lut check report pack stylize info validate)
 
 # run_make TARGET...: with the variables of the build under test.
 run_make() {
