@@ -46,7 +46,8 @@ static const struct argp parser = {
     .args_doc = "LUT --guide GUIDE",
     .doc =
         "Writes the audit of a table as one HTML page: a verdict and advice in plain words, maps, and charts.\v"
-        "The page is a single file that loads nothing, below 3 MB; any browser of the last years shows it. Tables beyond "
+        "The page is a single file that loads nothing, below 3 MB; any browser of the last years shows it. Tables "
+        "beyond "
         "512 texels a side are shown in cells of several texels, each with its worst; the figures are of all texels. "
         "With --frames they speak of what those frames ask for.",
     .children = children,
@@ -58,8 +59,12 @@ static StyStatus name_files(const AuditCommand *command, StyReportFile files[MOS
   const AuditArguments *audit = &command->audit;
   StyStatus status = STY_OK;
   for (int f = 0; !status && f < 2 + audit->frame_count; f++) {
-    files[f] = (StyReportFile){.role = f == 0 ? "table" : f == 1 ? "guide" : "frame",
-                               .name = f == 0 ? audit->lut : f == 1 ? audit->guide : audit->frames[f - 2]};
+    files[f] = (StyReportFile){.role = f == 0   ? "table"
+                                       : f == 1 ? "guide"
+                                                : "frame",
+                               .name = f == 0   ? audit->lut
+                                       : f == 1 ? audit->guide
+                                                : audit->frames[f - 2]};
     if (!command->options.no_history) status = sty_hash_file(files[f].name, files[f].hash, error);
   }
   return status;

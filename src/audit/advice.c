@@ -7,13 +7,15 @@
 const char *const sty_judgement_names[] = {"good", "fair", "bad", NULL};
 
 /* What a table or guide may show before it is spoken of. */
-static const double close_excess = 0.1;     /* degrees: nobody sees them in a normal */
-static const double wrong_excess = 1;       /* degrees */
-static const double much = 0.1;             /* share of texels */
-static const double lacking = 0.5;          /* coverage of a direction */
-static const double least_demand = 0.005;   /* share of the frames' pixels */
-static const double bare = 0.9;             /* coverage in all */
-static const double growth_between = 1.5;   /* lookup over assignment error */
+static const double hardly_any = 0.001;   /* share of texels */
+static const double close_excess = 0.1;   /* degrees: nobody sees them in a normal */
+static const double wrong_excess = 1;     /* degrees */
+static const double much = 0.1;           /* share of texels */
+static const double torn = 0.25;          /* share of neighbours that jump */
+static const double lacking = 0.5;        /* coverage of a direction */
+static const double least_demand = 0.005; /* share of the frames' pixels */
+static const double bare = 0.9;           /* coverage in all */
+static const double growth_between = 1.5; /* lookup over assignment error */
 static const double growth_by_rounding = 1.1;
 enum { LIST_SIZE = 300, MOST_NAMED_SECTORS = 4 };
 
@@ -39,12 +41,22 @@ static ShareText say_share(double share) {
   else if (percent < 100 && percent > 99.9)
     snprintf(out.text, sizeof out.text, "over 99.9 %%");
   else
-    snprintf(out.text, sizeof out.text, percent < 10 && percent > 0 ? "%.1f %%" : percent < 99 ? "%.0f %%" : "%.3g %%", percent);
+    snprintf(out.text, sizeof out.text,
+             percent < 10 && percent > 0 ? "%.1f %%"
+             : percent < 99              ? "%.0f %%"
+                                         : "%.3g %%",
+             percent);
   return out;
 }
 
-static bool is_exact(const StyAudit *audit) { return audit->optimal >= 1 - 1e-9; }
+/* A jump to the very next pixel cuts nothing. */
+static bool can_tear(const StyAudit *audit) { return audit->jump > 1.5; }
+
+/* Weights are floats, whose sum is 1 but for their rounding. */
+static bool is_exact(const StyAudit *audit) { return audit->optimal >= 1 - 1e-7 && audit->excess.max <= 0; }
 static bool is_ambiguous(const StyAudit *audit) { return audit->ambiguous > much; }
+
+static bool is_torn(const StyAudit *audit) { return audit->jumps > torn && can_tear(audit); }
 
 static bool weighs_frames(const StyReport *report) { return report->audit->weights == STY_WEIGHT_FRAMES; }
 
@@ -56,7 +68,9 @@ static void judge_exact(const StyReport *report, StyOpinion *out) {
   if (audit->coverage < bare)
     but = ", but the guide lacks directions";
   else if (is_ambiguous(audit))
-    but = ", but the guide leaves it many to choose from";
+    but = ", but the guide leaves many to choose from";
+  else if (is_torn(audit))
+    but = ", but neighbours lie far apart";
   out->judgement = *but ? STY_JUDGED_FAIR : STY_JUDGED_GOOD;
   snprintf(out->headline, sizeof out->headline, "Exact: every texel holds the nearest pixel%s.", but);
 }
@@ -70,15 +84,19 @@ static void judge_inexact(const StyReport *report, StyOpinion *out) {
              audit->background == 1 ? "s" : "");
   if (audit->background || audit->excess.mean > wrong_excess) {
     out->judgement = STY_JUDGED_BAD;
-    snprintf(out->headline, sizeof out->headline, "Wrong in places: only %s of the texels hold the nearest pixel%s.",
-             optimal.text, background);
+    if (audit->optimal < hardly_any)
+      snprintf(out->headline, sizeof out->headline, "Wrong: hardly any texel holds the nearest pixel%s.", background);
+    else
+      snprintf(out->headline, sizeof out->headline, "Wrong%s: only %s of the texels hold the nearest pixel%s.",
+               audit->optimal > 0.5 ? " in places" : "", optimal.text, background);
   } else if (audit->excess.mean > close_excess) {
     out->judgement = STY_JUDGED_FAIR;
     snprintf(out->headline, sizeof out->headline,
              "Not exact: %s of the texels hold the nearest pixel; the others cost %.2f degrees on average.",
              optimal.text, audit->excess.mean / (1 - audit->optimal));
   } else {
-    out->judgement = is_ambiguous(audit) || audit->coverage < bare ? STY_JUDGED_FAIR : STY_JUDGED_GOOD;
+    out->judgement =
+        is_ambiguous(audit) || is_torn(audit) || audit->coverage < bare ? STY_JUDGED_FAIR : STY_JUDGED_GOOD;
     snprintf(out->headline, sizeof out->headline,
              "Close: %s of the texels hold the nearest pixel, 99 %% one at most %.2f degrees off it.", optimal.text,
              audit->excess.p99);
@@ -91,15 +109,13 @@ static void give_reason(const StyReport *report, StyOpinion *out) {
   const ShareText ambiguous = say_share(audit->ambiguous), jumps = say_share(audit->jumps);
   snprintf(out->reason, sizeof out->reason,
            "Half of the %s are answered within %.2f degrees, 99 %% within %.2f; the worst is %.1f off. "
-           "For %s of the texels several places on the guide fit equally well, and %s of "
-           "neighbouring texels lie far apart on it.",
+           "Several places on the guide fit equally well for %s of the texels; %s of neighbouring texels lie far "
+           "apart on it.",
            weighs_frames(report) ? "frames' pixels" : "directions", lookup->p50, lookup->p99, lookup->max,
            ambiguous.text, jumps.text);
 }
 
 /* ---- advice -------------------------------------------------------------------- */
-
-static bool fits_bytes(const StyFacts *facts) { return facts->encodings[STY_ENCODE_RG8].moved <= 0; }
 
 static void advise_on_errors(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
@@ -109,10 +125,10 @@ static void advise_on_errors(const StyReport *report, const StyFacts *facts, Sty
            "empty. Build the table anew with stylut lut.",
            audit->background);
   if (is_exact(audit)) return;
-  if (fits_bytes(facts) && (report->lut->source_width > 255 || report->lut->source_height > 255))
+  if (facts->fits_bytes)
     advise(out,
-           "Every pixel that the table names is one that 8 bits a coordinate can name, though its source is %d x %d: "
-           "it went through rg8 and lost its precision. Store it as rg16, rg8x2 or f32.",
+           "The table names no more than 256 columns and rows of a source of %d x %d: it was stored with 8 bits a "
+           "coordinate (rg8) and lost its precision. Store it as rg16, rg8x2 or f32.",
            report->lut->source_width, report->lut->source_height);
   advise(out,
          "An exact table of this guide would err %.2f degrees less on average, and up to %.1f less (at texel %d, %d): "
@@ -158,15 +174,16 @@ static void advise_on_coverage(const StyReport *report, const StyFacts *facts, S
            list);
 }
 
-static void advise_on_guide(const StyReport *report, StyOpinion *out) {
+static void advise_on_guide(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
   if (is_ambiguous(audit))
     advise(out,
-           "The guide is ambiguous: for %s of the texels the pixels that fit lie in several places, %.0f pixels from "
-           "each other's middle. Chance decides between them, and copied pieces get small: build with --resolve "
-           "coherent, so that neighbours choose alike.",
-           say_share(audit->ambiguous).text, audit->spread);
-  else if (audit->jumps > much)
+           "The guide is ambiguous: for %s of the texels the pixels that fit equally well lie in several places, "
+           "on average %.0f pixels from their middle. Chance decides between them, and copied pieces get small: build "
+           "with "
+           "--resolve coherent, so that neighbours choose alike.",
+           say_share(audit->ambiguous).text, facts->spread);
+  else if (audit->jumps > much && can_tear(audit))
     advise(out,
            "%s of neighbouring texels lie more than %.3g source pixels apart: strokes will be cut there. --resolve "
            "coherent keeps neighbours together.",
@@ -181,18 +198,21 @@ static void advise_on_guide(const StyReport *report, StyOpinion *out) {
 static void advise_on_size(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
   const StyLutSpec *spec = &audit->spec;
+  const int table = spec->width > spec->height ? spec->width : spec->height;
+  const int source = report->guide->width > report->guide->height ? report->guide->width : report->guide->height;
   const bool grown = audit->lookup.mean > growth_between * audit->assignment.mean;
-  if (grown && !weighs_frames(report) && spec->sampling != STY_SAMPLE_UNORM8)
+  if (grown && source > table && spec->sampling != STY_SAMPLE_UNORM8)
     advise(out,
            "The table is small for its guide: at its texels the error is %.2f degrees on average, between them %.2f "
-           "(p99 %.2f). A larger -s closes the gap; for 8-bit guides --sampling unorm8 -s 256 does.",
+           "(p99 %.2f). A larger -s closes the gap; where the frames' guides are 8-bit, --sampling unorm8 -s 256 does.",
            audit->assignment.mean, audit->lookup.mean, audit->lookup.p99);
   if (facts->rim > 0.8 && spec->map == STY_MAP_XY && audit->assignment.p99 > 3 * audit->assignment.p50 &&
-      is_exact(audit))
-    advise(out,
-           "The worst errors sit at the rim, where a small step turns the normal far: %s of the worst hundredth lies in "
-           "the outer twentieth of the disc. For float guides --map equal-area spends texels evenly over directions.",
-           say_share(facts->rim).text);
+      is_exact(audit) && audit->coverage >= bare && report->guide->bits > 8)
+    advise(
+        out,
+        "The worst errors sit at the rim, where a small step turns the normal far: %s of the worst hundredth lies in "
+        "the outer twentieth of the disc. For float guides --map equal-area spends texels evenly over directions.",
+        say_share(facts->rim).text);
   const size_t covered = audit->usage[0] + audit->usage[1] + audit->usage[2] + audit->usage[3] + audit->usage[4];
   if (audit->feasible > covered && audit->unused > 0.3 && !weighs_frames(report))
     advise(out,
@@ -201,9 +221,8 @@ static void advise_on_size(const StyReport *report, const StyFacts *facts, StyOp
            say_share(audit->unused).text);
 }
 
-static void advise_on_encoding(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
+static void advise_on_encoding(const StyFacts *facts, StyOpinion *out) {
   const StyEncodingCost *exact = &facts->encodings[STY_ENCODE_F32], *bytes = &facts->encodings[STY_ENCODE_RG8];
-  (void)report;
   if (bytes->mean > growth_by_rounding * exact->mean && bytes->mean > exact->mean + close_excess / 10)
     advise(out,
            "Keep 16 bits a coordinate: rg8 would name another pixel for %s of the texels, and the mean error would go "
@@ -220,9 +239,9 @@ void sty_form_opinion(const StyReport *report, const StyFacts *facts, StyOpinion
   give_reason(report, out);
   advise_on_errors(report, facts, out);
   advise_on_coverage(report, facts, out);
-  advise_on_guide(report, out);
+  advise_on_guide(report, facts, out);
   advise_on_size(report, facts, out);
-  advise_on_encoding(report, facts, out);
+  advise_on_encoding(facts, out);
 }
 
 StyStatus sty_judge_report(const StyReport *report, StyOpinion *out, StyError *error) {

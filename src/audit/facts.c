@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "audit/figures.h"
 
@@ -35,8 +36,7 @@ static void gather_sectors(const StyReport *report, StySector sectors[STY_SECTOR
     covered[s] += (double)report->exact->errors[t] <= report->audit->tolerance;
     sectors[s].demand += weight;
   }
-  for (int s = 0; s < STY_SECTORS; s++)
-    sectors[s].coverage = texels[s] ? (double)covered[s] / (double)texels[s] : 1;
+  for (int s = 0; s < STY_SECTORS; s++) sectors[s].coverage = texels[s] ? (double)covered[s] / (double)texels[s] : 1;
 }
 
 /* ---- error against radius ------------------------------------------------------ */
@@ -91,6 +91,20 @@ static StyStatus gather_radii(const StyReport *report, StyFacts *out, StyError *
   return STY_OK;
 }
 
+/* ---- ambiguity ----------------------------------------------------------------- */
+
+static double measure_ambiguous_spread(const StyReport *report) {
+  const StyAuditMaps *maps = report->maps;
+  double sum = 0, weight = 0;
+  for (size_t t = 0; t < count_report_texels(report); t++) {
+    if (!(maps->weights[t] > 0)) continue;
+    if (maps->pieces[t] < 2 && (double)maps->spread[t] <= report->audit->jump) continue;
+    weight += (double)maps->weights[t];
+    sum += (double)maps->weights[t] * (double)maps->spread[t];
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
 /* ---- encodings ----------------------------------------------------------------- */
 
 static uint32_t encode_pixel(const StyLut *lut, uint32_t pixel, StyEncoding encoding) {
@@ -124,6 +138,34 @@ static StyStatus gather_encoding(const StyReport *report, const StyGuidePlanes *
   return STY_OK;
 }
 
+/* How many columns (axis 0) or rows (axis 1) of the source feasible texels name. */
+static int count_named(const StyReport *report, const StyLut *lut, int axis, bool *named) {
+  const uint32_t width = (uint32_t)lut->source_width;
+  const int side = axis ? lut->source_height : lut->source_width;
+  int count = 0;
+  memset(named, 0, (size_t)side * sizeof *named);
+  for (size_t t = 0; t < count_report_texels(report); t++)
+    if (!isnan(report->maps->weights[t])) named[axis ? lut->pixels[t] / width : lut->pixels[t] % width] = true;
+  for (int i = 0; i < side; i++) count += named[i];
+  return count;
+}
+
+static StyStatus look_for_bytes(const StyReport *report, StyFacts *out, StyError *error) {
+  const StyLut *lut = report->lut;
+  const int longer = lut->source_width > lut->source_height ? lut->source_width : lut->source_height;
+  bool *named = malloc((size_t)longer * sizeof *named);
+  if (!named) return sty_fail_memory(error, "report", longer);
+  out->fits_bytes = true;
+  bool wants_more = false;
+  for (int axis = 0; axis < 2; axis++) {
+    out->fits_bytes &= count_named(report, lut, axis, named) <= 256;
+    wants_more |= count_named(report, report->exact, axis, named) > 256;
+  }
+  out->fits_bytes &= wants_more;
+  free(named);
+  return STY_OK;
+}
+
 StyStatus sty_gather_facts(const StyReport *report, StyFacts *out, StyError *error) {
   StyFacts facts = {0};
   StyGuidePlanes guide;
@@ -132,6 +174,8 @@ StyStatus sty_gather_facts(const StyReport *report, StyFacts *out, StyError *err
   if (!status) status = gather_radii(report, &facts, error);
   for (int e = 0; !status && e < STY_ENCODINGS; e++)
     status = gather_encoding(report, &guide, (StyEncoding)e, &facts.encodings[e], error);
+  if (!status) status = look_for_bytes(report, &facts, error);
+  facts.spread = measure_ambiguous_spread(report);
   if (!status) *out = facts;
   return status;
 }

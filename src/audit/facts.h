@@ -32,7 +32,9 @@ typedef struct StyFacts {
   StySector sectors[STY_SECTORS];
   StyRing rings[STY_RINGS];
   StyEncodingCost encodings[STY_ENCODINGS]; /* by StyEncoding */
-  double rim; /* share of the assignment error's worst hundredth that lies in the outer twentieth of the radius */
+  double spread;                            /* mean of the ambiguous texels' spread, source pixels */
+  bool fits_bytes; /* no more than 256 columns and rows of the source are named, though exactness wants more */
+  double rim;      /* share of the worst hundredth of assignment errors that lies beyond radius 0.95 */
 } StyFacts;
 
 StyStatus sty_gather_facts(const StyReport *report, StyFacts *out, StyError *error);

@@ -9,9 +9,9 @@
 #include "audit/facts.h"
 #include "audit/planes.h"
 
-#define INCLUDE_TEXT(name, path)                                                                  \
+#define INCLUDE_TEXT(name, path)                                                                   \
   __asm__(".section .rodata\n.global sty_report_" #name "\nsty_report_" #name ":\n.incbin \"" path \
-          "\"\n.byte 0\n.previous\n");                                                            \
+          "\"\n.byte 0\n.previous\n");                                                             \
   extern const char sty_report_##name[]
 INCLUDE_TEXT(page, "src/audit/report.html");
 INCLUDE_TEXT(style, "src/audit/report.css");
@@ -65,9 +65,7 @@ static const char *get_base_name(const char *path) {
 
 /* ---- the parts ----------------------------------------------------------------- */
 
-static void write_title(const Page *page) {
-  write_foreign(page->stream, get_base_name(page->report->files[0].name));
-}
+static void write_title(const Page *page) { write_foreign(page->stream, get_base_name(page->report->files[0].name)); }
 
 static void write_table_name(const Page *page) { write_foreign(page->stream, page->report->files[0].name); }
 static void write_guide_name(const Page *page) { write_foreign(page->stream, page->report->files[1].name); }
@@ -94,7 +92,9 @@ static void write_policy(const Page *page) {
     bytes[i] = (unsigned char)strtoul(digits, NULL, 16);
   }
   char *text = sty_encode_base64(bytes, sizeof bytes);
-  fprintf(page->stream, "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-%s'",
+  fprintf(page->stream,
+          "default-src 'none'; base-uri 'none'; form-action 'none'; img-src data:; style-src 'unsafe-inline'; "
+          "script-src 'sha256-%s'",
           text ? text : "");
   free(text);
 }
@@ -139,12 +139,12 @@ static const struct {
   const char *name;
   void (*write)(const Page *page);
 } parts[] = {
-    {"title", write_title},       {"table-name", write_table_name}, {"guide-name", write_guide_name},
-    {"kind", write_kind},         {"policy", write_policy},         {"style", write_style},
-    {"script", write_script},     {"judgement", write_judgement},   {"headline", write_headline},
-    {"reason", write_reason},     {"advice", write_advice},         {"files", write_files},
-    {"command", write_command},   {"audit", write_audit},           {"facts", write_facts},
-    {"table", write_table},       {"guide", write_guide},
+    {"title", write_title},     {"table-name", write_table_name}, {"guide-name", write_guide_name},
+    {"kind", write_kind},       {"policy", write_policy},         {"style", write_style},
+    {"script", write_script},   {"judgement", write_judgement},   {"headline", write_headline},
+    {"reason", write_reason},   {"advice", write_advice},         {"files", write_files},
+    {"command", write_command}, {"audit", write_audit},           {"facts", write_facts},
+    {"table", write_table},     {"guide", write_guide},
 };
 
 static void write_part(const Page *page, const char *name, size_t length) {
@@ -180,9 +180,9 @@ static json_t *list_shares(const StyFigures *figures) {
 static json_t *list_sectors(const StyFacts *facts) {
   json_t *list = json_array();
   for (int s = 0; s < STY_SECTORS; s++)
-    json_array_append_new(list, json_pack("{s:s, s:o, s:o}", "name", sty_sector_names[s], "coverage",
-                                          make_number(facts->sectors[s].coverage), "demand",
-                                          make_number(facts->sectors[s].demand)));
+    json_array_append_new(
+        list, json_pack("{s:s, s:o, s:o}", "name", sty_sector_names[s], "coverage",
+                        make_number(facts->sectors[s].coverage), "demand", make_number(facts->sectors[s].demand)));
   return list;
 }
 
@@ -200,22 +200,22 @@ static json_t *list_rings(const StyFacts *facts) {
 static json_t *list_encodings(const StyFacts *facts) {
   json_t *list = json_array();
   for (int e = 0; e < STY_ENCODINGS; e++)
-    json_array_append_new(list, json_pack("{s:s, s:o, s:o, s:o}", "name", sty_encoding_names[e], "mean",
-                                          make_number(facts->encodings[e].mean), "p99",
-                                          make_number(facts->encodings[e].p99), "moved",
-                                          make_number(facts->encodings[e].moved)));
+    json_array_append_new(
+        list,
+        json_pack("{s:s, s:o, s:o, s:o}", "name", sty_encoding_names[e], "mean", make_number(facts->encodings[e].mean),
+                  "p99", make_number(facts->encodings[e].p99), "moved", make_number(facts->encodings[e].moved)));
   return list;
 }
 
 static char *format_facts(const StyReport *report, const StyFacts *facts) {
   const StyLutSpec *spec = &report->lut->spec;
-  json_t *root = json_pack(
-      "{s:[ii], s:[ii], s:f, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "texels", spec->width, spec->height, "source",
-      report->lut->source_width, report->lut->source_height, "leastError", STY_LEAST_ERROR, "binsADecade",
-      STY_ERROR_BINS_A_DECADE, "assignment", list_shares(&report->audit->assignment), "lookup",
-      list_shares(&report->audit->lookup), "excess", list_shares(&report->audit->excess), "sectors",
-      list_sectors(facts), "rings", list_rings(facts), "encodings", list_encodings(facts), "frames",
-      report->audit->weights == STY_WEIGHT_FRAMES);
+  json_t *root =
+      json_pack("{s:[ii], s:[ii], s:f, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "texels", spec->width, spec->height,
+                "source", report->lut->source_width, report->lut->source_height, "leastError", STY_LEAST_ERROR,
+                "binsADecade", STY_ERROR_BINS_A_DECADE, "assignment", list_shares(&report->audit->assignment), "lookup",
+                list_shares(&report->audit->lookup), "excess", list_shares(&report->audit->excess), "sectors",
+                list_sectors(facts), "rings", list_rings(facts), "encodings", list_encodings(facts), "frames",
+                report->audit->weights == STY_WEIGHT_FRAMES);
   char *text = root ? json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
   json_decref(root);
   return text;

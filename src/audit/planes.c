@@ -47,9 +47,10 @@ static void visit_places(const Grid *grid, VisitPlace *visit, void *context) {
       const int column = x / grid->step, row = y / grid->step;
       const int right = grid->side_x - 1 - column * grid->step, below = grid->side_y - 1 - row * grid->step;
       const int half = grid->step / 2;
-      const bool middle = x % grid->step == (half < right ? half : right) && y % grid->step == (half < below ? half : below);
-      visit(context, (size_t)row * (size_t)grid->width + (size_t)column,
-            (size_t)y * (size_t)grid->side_x + (size_t)x, middle);
+      const bool middle =
+          x % grid->step == (half < right ? half : right) && y % grid->step == (half < below ? half : below);
+      visit(context, (size_t)row * (size_t)grid->width + (size_t)column, (size_t)y * (size_t)grid->side_x + (size_t)x,
+            middle);
     }
 }
 
@@ -199,9 +200,9 @@ StyStatus sty_pack_table(const StyReport *report, int step, json_t **out, StyErr
     const char *name;
     const float *map;
     bool sum;
-  } planes_table[] = {{"error", maps->assignment, false},  {"excess", maps->excess, false},
-                      {"pieces", maps->pieces, false},     {"spread", maps->spread, false},
-                      {"jumps", maps->jumps, false},       {"unstable", maps->unstable, false},
+  } planes_table[] = {{"error", maps->assignment, false}, {"excess", maps->excess, false},
+                      {"pieces", maps->pieces, false},    {"spread", maps->spread, false},
+                      {"jumps", maps->jumps, false},      {"unstable", maps->unstable, false},
                       {"weight", maps->weights, true}};
   json_t *planes = json_object();
   StyStatus status = add_sources(planes, &grid, report, error);

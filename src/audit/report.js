@@ -99,9 +99,9 @@ const ramps = { warm: makeRamp(95, -60, 0.19), cool: makeRamp(150, 285, 0.15), p
 const UNASKED = [233, 234, 238]
 
 // The four corners of the source in four hues; a board of 16 squares shows what is cut.
-const corners = [[52, 92, 178], [240, 199, 84], [40, 150, 120], [205, 72, 88]]
+const corners = [[58, 104, 232], [255, 214, 84], [22, 178, 134], [236, 66, 96]]
 function colourSource(u, v) {
-  const dark = Math.floor(u * 16) + Math.floor(v * 16) & 1 ? 0.86 : 1
+  const dark = Math.floor(u * 16) + Math.floor(v * 16) & 1 ? 0.84 : 1
   return [0, 1, 2].map(k => dark * ((corners[0][k] * (1 - u) + corners[1][k] * u) * (1 - v) + (corners[2][k] * (1 - u) + corners[3][k] * u) * v))
 }
 
@@ -147,13 +147,13 @@ function listMaps(table) {
     { id: 'error', name: 'Error', unit: '\u00b0', ramp: 'warm', about: 'angle between the direction asked for and the pixel given.' },
     { id: 'excess', name: 'Excess', unit: '\u00b0', ramp: 'warm', about: 'error above that of the best possible table.' },
     { id: 'pieces', name: 'Pieces', unit: '', ramp: 'cool', log: true, about: 'how many separate places on the guide fit equally well.' },
-    { id: 'spread', name: 'Spread', unit: ' px', ramp: 'cool', about: 'how far the fitting pixels lie from their middle.' },
+    { id: 'spread', name: 'Spread', unit: ' px', ramp: 'cool', least: audit.jump, about: 'how far the fitting pixels lie from their middle.' },
     { id: 'jumps', name: 'Jumps', share: true, ramp: 'cool', about: `neighbours that lie more than ${show(audit.jump)} source pixels away.` },
     { id: 'unstable', name: 'Unstable', share: true, ramp: 'cool', about: 'how often rounding of the guide sends the texel elsewhere.' },
   ]
   if (audit.weights !== 'disc')
-    maps.push({ id: 'weight', name: facts.frames ? 'Demand' : 'Weight', share: true, log: true, ramp: 'plain',
-      about: facts.frames ? 'share of the frames\u2019 pixels that ask for the texel.' : 'what the texel counts.' })
+    maps.push({ id: 'weight', name: facts.frames ? 'Demand' : 'Weight', unit: '\u00d7', log: true, ramp: 'plain',
+      about: `${facts.frames ? 'how often the frames ask for the texel' : 'what the texel counts'}, as a multiple of the average.` })
   for (const map of maps) if (map.id !== 'source') Object.assign(map, measureScale(map, table[map.id]))
   return maps
 }
@@ -162,8 +162,8 @@ function listMaps(table) {
 function measureScale(map, values) {
   const sorted = values.filter(v => !Number.isNaN(v)).sort()
   const most = sorted.length ? sorted[sorted.length - 1] : 0, p99 = sorted[Math.floor((sorted.length - 1) * 0.99)] || 0
-  const clipped = !(map.share && !map.log) && p99 > 0 && most > 1.3 * p99
-  let to = map.share && !map.log ? 1 : clipped ? p99 : most
+  const clipped = !map.share && p99 > 0 && most > 1.3 * p99
+  const to = map.share ? 1 : Math.max(clipped ? p99 : most, map.least || 0)
   if (map.log) return { from: map.id === 'pieces' ? 1 : to / 1000, to, most, clipped }
   return { from: 0, to, most, clipped }
 }
@@ -176,7 +176,7 @@ function getPlace(map, value) {
 
 function colourCell(map, table, i) {
   if (Number.isNaN(table.x[i])) return null
-  if (map.id === 'source') return colourSource((table.x[i] + 0.5) / sourceX, (table.y[i] + 0.5) / sourceY)
+  if (map.id === 'source') return colourSource(...placeSource(table.x[i], table.y[i]))
   const value = table[map.id][i]
   if (Number.isNaN(value) || map.id === 'weight' && value === 0) return UNASKED
   return ramps[map.ramp][Math.round(255 * getPlace(map, value))]
@@ -185,7 +185,10 @@ function colourCell(map, table, i) {
 const showValue = (map, value) => map.share ? showShare(value) : show(value) + (map.unit || '')
 
 function listTicks(map) {
-  if (!map.log) return [0, 0.25, 0.5, 0.75, 1].map(t => map.from + t * (map.to - map.from))
+  if (!map.log) {
+    const ticks = listAxisTicks(map).filter(v => !map.clipped || v < 0.88 * map.to)
+    return map.clipped ? [...ticks, map.to] : ticks
+  }
   const ticks = []
   for (let decade = Math.floor(Math.log10(map.from)); decade <= Math.log10(map.to); decade++)
     for (const k of map.to / map.from < 50 ? [1, 2, 5] : [1]) {
@@ -201,7 +204,8 @@ function drawLegend(map) {
   if (map.id === 'source') {
     const row = box.appendChild(make('div', { class: 'row' })), canvas = row.appendChild(make('canvas'))
     paint(canvas, 64, 64, i => colourSource((i % 64 + 0.5) / 64, (Math.floor(i / 64) + 0.5) / 64))
-    row.append(make('span', {}, `Colours are places on the guide: left ${0}, right ${sourceX - 1}, top ${0}, bottom ${sourceY - 1}; a square of the board is ${show(sourceX / 16)} \u00d7 ${show(sourceY / 16)} pixels.`))
+    const { x, y, width, height } = state.crop, step = state.guide.step
+    row.append(make('span', {}, `Colours are places on the guide as shown beside: x from ${x * step} to ${Math.min((x + width) * step, sourceX) - 1}, y from ${y * step} to ${Math.min((y + height) * step, sourceY) - 1}.`))
     return
   }
   if (!(map.to > map.from)) {
@@ -240,7 +244,7 @@ function fillTiles() {
   const tiles = [
     [showShare(audit.optimal), 'texels that hold the nearest pixel'],
     [`${show(audit.lookup.mean)}\u00b0`, 'mean lookup error'],
-    [`${show(audit.lookup.p99)}\u00b0`, 'lookup error, 99 of 100 stay below'],
+    [`${show(audit.lookup.p99)}\u00b0`, 'p99 of the lookup error'],
     [showShare(audit.ambiguous), 'texels are ambiguous'],
     [showShare(audit.jumps), 'neighbouring texels jump'],
     [showShare(audit.unstable), 'unstable under rounding'],
@@ -261,7 +265,7 @@ const overlays = [
   { id: 'unused', name: 'unused', about: 'in pink, pixels that no texel names.' },
   { id: 'none', name: 'normals', about: 'as colours: right is red, up is green.' },
 ]
-const state = { table: null, guide: null, maps: null, map: null, overlay: overlays[0], cell: [0, 0], held: false }
+const state = { table: null, guide: null, crop: null, maps: null, map: null, overlay: overlays[0], cell: [0, 0], held: false }
 
 const getCellTexel = (c, side) => Math.min(c * state.table.step + (state.table.step >> 1), side - 1)
 const getTexel = () => [getCellTexel(state.cell[0], texelsX), getCellTexel(state.cell[1], texelsY)]
@@ -283,23 +287,43 @@ function getCover(i, asked) {
 }
 
 function paintGuide() {
-  const guide = state.guide, asked = getTexelValue(...getTexel()), fade = state.overlay.id === 'none' ? 0 : 0.55
+  const { guide, crop } = state, asked = getTexelValue(...getTexel()), fade = state.overlay.id === 'none' ? 0 : 0.55
   const pink = [196, 0, 110]
-  paint($('guide-map'), guide.width, guide.height, i => {
+  paint($('guide-map'), crop.width, crop.height, k => {
+    const i = (crop.y + Math.floor(k / crop.width)) * guide.width + crop.x + k % crop.width
     if (Number.isNaN(guide.gx[i])) return null
     const z = Math.sqrt(Math.max(0, 1 - (guide.gx[i] * 2 - 1) ** 2 - (guide.gy[i] * 2 - 1) ** 2))
     const cover = getCover(i, asked)
-    return [guide.gx[i], guide.gy[i], z / 2 + 0.5].map((v, k) => (1 - cover) * (255 * (v + (1 - v) * fade)) + cover * pink[k])
+    return [guide.gx[i], guide.gy[i], z / 2 + 0.5].map((v, c) => (1 - cover) * (255 * (v + (1 - v) * fade)) + cover * pink[c])
   })
-  const covered = { ambiguous: audit.ambiguous, unused: audit.unused }
-  const share = state.overlay.id === 'ambiguous' ? measureCover('ambiguous') : covered[state.overlay.id]
-  $('overlay-about').textContent = state.overlay.about + (share === undefined ? '' : ` ${showShare(share)} of the pixels.`)
+  const share = { ambiguous: () => measureCover('ambiguous'), unused: () => audit.unused }[state.overlay.id]
+  $('overlay-about').textContent = state.overlay.about + (share ? ` ${showShare(share())} of the pixels.` : '')
 }
 
 function measureCover(name) {
   let sum = 0, count = 0
   for (const v of state.guide[name]) if (!Number.isNaN(v)) sum += v, count++
   return count ? sum / count : 0
+}
+
+// The part of the guide that is covered or named by the table, with a margin, in cells.
+function measureCrop(table, guide) {
+  const box = { x: [Infinity, -Infinity], y: [Infinity, -Infinity] }
+  const include = (x, y) => {
+    box.x = [Math.min(box.x[0], x), Math.max(box.x[1], x)]
+    box.y = [Math.min(box.y[0], y), Math.max(box.y[1], y)]
+  }
+  guide.gx.forEach((gx, i) => { if (!Number.isNaN(gx)) include(i % guide.width, Math.floor(i / guide.width)) })
+  table.x.forEach((x, i) => { if (!Number.isNaN(x)) include(Math.floor(x / guide.step), Math.floor(table.y[i] / guide.step)) })
+  const margin = Math.ceil(0.02 * Math.max(box.x[1] - box.x[0], box.y[1] - box.y[0]))
+  const x = Math.max(box.x[0] - margin, 0), y = Math.max(box.y[0] - margin, 0)
+  return { x, y, width: Math.min(box.x[1] + margin, guide.width - 1) - x + 1, height: Math.min(box.y[1] + margin, guide.height - 1) - y + 1 }
+}
+
+// A source pixel's place in the guide as shown, 0 to 1.
+function placeSource(x, y) {
+  const { crop, guide } = state
+  return [((x + 0.5) / guide.step - crop.x) / crop.width, ((y + 0.5) / guide.step - crop.y) / crop.height]
 }
 
 function place(ring, x, y) {
@@ -344,7 +368,7 @@ function moveTo(column, row) {
   state.cell = [Math.min(Math.max(column, 0), table.width - 1), Math.min(Math.max(row, 0), table.height - 1)]
   const i = state.cell[1] * table.width + state.cell[0]
   place($('table-ring'), (state.cell[0] + 0.5) / table.width, (state.cell[1] + 0.5) / table.height)
-  place($('guide-ring'), (table.x[i] + 0.5) / sourceX, (table.y[i] + 0.5) / sourceY)
+  place($('guide-ring'), ...placeSource(table.x[i], table.y[i]))
   fillReadout()
   if (state.overlay.id === 'alike') paintGuide()
 }
@@ -365,8 +389,9 @@ function pointAtTable(event) {
   moveTo(...findCell(event))
 }
 function pointAtGuide(event) {
-  const [x, y] = findCell(event), i = y * state.guide.width + x
-  if (x >= 0 && y >= 0 && x < state.guide.width && !Number.isNaN(state.guide.gx[i])) moveToTexel(...findTexel(state.guide.gx[i] * 2 - 1, state.guide.gy[i] * 2 - 1))
+  const { guide, crop } = state, [x, y] = findCell(event), i = (crop.y + y) * guide.width + crop.x + x
+  if (x >= 0 && y >= 0 && x < crop.width && y < crop.height && !Number.isNaN(guide.gx[i])) 
+    moveToTexel(...findTexel(guide.gx[i] * 2 - 1, guide.gy[i] * 2 - 1))
 }
 
 function listenToPointers() {
@@ -436,7 +461,7 @@ function addChoices() {
 
 // ---- charts ---------------------------------------------------------------------------------
 
-const WIDTH = 360, HEIGHT = 232, LEFT = 44, RIGHT = 12, TOP = 30, BOTTOM = 40
+const WIDTH = 360, HEIGHT = 246, LEFT = 44, RIGHT = 12, TOP = 44, BOTTOM = 40
 const blue = '#2b5fa8', orange = '#c96a12', grey = '#8a949f'
 
 function addCard(title, about) {
@@ -515,16 +540,15 @@ function drawHistogram(range) {
   drawPercentiles(svg, x, audit.lookup)
 }
 
-// Labels that would touch go up a line.
+// A label that would touch another goes up a line.
 function drawPercentiles(svg, x, figures) {
-  let last = -Infinity, line = 0
+  const ends = [-Infinity, -Infinity, -Infinity]
   for (const name of ['p50', 'p95', 'p99']) {
     if (!(figures[name] >= x.from)) continue
-    const at = x(figures[name]), text = `${name} ${show(figures[name], 2)}\u00b0`
-    line = at - last < 62 ? 1 - line : 0
-    last = at
-    svg.append(draw('line', { x1: at, x2: at, y1: TOP - 8 - (line ? 0 : 0), y2: HEIGHT - BOTTOM, stroke: '#1d232b', 'stroke-dasharray': '3 3' }))
-    svg.append(draw('text', { x: Math.min(at, WIDTH - RIGHT - 30), y: line ? TOP - 21 : TOP - 10, 'text-anchor': 'middle', class: 'strong' }, text))
+    const at = x(figures[name]), middle = Math.min(at, WIDTH - RIGHT - 30), line = ends.findIndex(end => end < middle - 34)
+    ends[line] = middle + 34
+    svg.append(draw('line', { x1: at, x2: at, y1: TOP - 6, y2: HEIGHT - BOTTOM, stroke: '#1d232b', 'stroke-dasharray': '3 3' }))
+    svg.append(draw('text', { x: middle, y: TOP - 10 - 13 * line, 'text-anchor': 'middle', class: 'strong' }, `${name} ${show(figures[name], 2)}\u00b0`))
   }
 }
 
@@ -547,7 +571,6 @@ function drawCumulative(range) {
     for (const p of ['p50', 'p95', 'p99'])
       if (audit[name][p] >= range[0]) svg.append(draw('circle', { cx: x(audit[name][p]), cy: y(Number(p.slice(1)) / 100), r: 3, fill: colour }))
   }
-  for (const p of [0.95, 0.99]) svg.append(draw('text', { x: LEFT + 4, y: y(p) + (p > 0.97 ? 2 : 12) }, ''))
 }
 
 function drawRadius() {
@@ -577,8 +600,8 @@ function drawUsage() {
 
 // The disc in nine directions: how much of each is covered, and asked for.
 function drawSectors() {
-  const card = addCard('Directions', facts.frames ? 'How much of each is covered, and how often frames ask for it.' : 'How much of each the guide covers.')
-  const svg = addSvg(card, 'coverage by direction'), cx = WIDTH / 2, cy = HEIGHT / 2, R = 108
+  const card = addCard('Directions', facts.frames ? 'How much of each is covered; below it, the share of the frames\u2019 pixels that ask for it.' : 'How much of each the guide covers.')
+  const svg = addSvg(card, 'coverage by direction'), cx = WIDTH / 2, cy = HEIGHT / 2, R = 116
   const colour = s => `rgb(${ramps.plain[Math.round(20 + 130 * s.coverage)]})`
   facts.sectors.forEach((sector, s) => {
     const middle = (s - 1) * Math.PI / 4, from = middle - Math.PI / 8, to = middle + Math.PI / 8, p = (r, a) => `${(cx + r * Math.cos(a)).toFixed(1)} ${(cy - r * Math.sin(a)).toFixed(1)}`
@@ -589,7 +612,7 @@ function drawSectors() {
     const at = s ? [cx + 0.76 * R * Math.cos(middle), cy - 0.76 * R * Math.sin(middle)] : [cx, cy]
     const ink = sector.coverage > 0.55 ? '#fff' : '#1d232b'
     svg.append(draw('text', { x: at[0], y: at[1] + (facts.frames ? -1 : 4), 'text-anchor': 'middle', style: `fill:${ink};font-weight:600` }, `${missing ? '\u26a0 ' : ''}${Math.round(100 * sector.coverage)} %`))
-    if (facts.frames) svg.append(draw('text', { x: at[0], y: at[1] + 12, 'text-anchor': 'middle', style: `fill:${ink};font-size:10px` }, `asked ${show(100 * sector.demand, 2)} %`))
+    if (facts.frames) svg.append(draw('text', { x: at[0], y: at[1] + 12, 'text-anchor': 'middle', style: `fill:${ink};font-size:10.5px` }, `${show(100 * sector.demand, 2)} %`))
   })
 }
 
@@ -635,6 +658,11 @@ async function start() {
   if (typeof DecompressionStream === 'undefined') throw new Error('this browser is too old to unpack the maps')
   state.table = await readGrid('table')
   state.guide = await readGrid('guide')
+  state.table.pieces = state.table.pieces.map(Math.round)
+  state.crop = measureCrop(state.table, state.guide)
+  const cells = state.table.weight.filter(v => !Number.isNaN(v)).length
+  state.table.weight = state.table.weight.map(v => v * cells)
+  $('guide-map').parentElement.style.width = `min(100%, ${Math.round(340 * state.crop.width / state.crop.height)}px)`
   state.maps = listMaps(state.table)
   for (const map of state.maps) map.unasked = facts.frames && ['error', 'excess', 'weight'].includes(map.id)
   state.map = state.maps[0]

@@ -91,8 +91,9 @@ try {
   console.error(`browse: ${error.message}`)
   code = 1
 }
-clearTimeout(limit)
-browser.kill('SIGKILL')
+// Asked to end, it takes its helpers along, which would still write to the folder.
+call('Browser.close').catch(() => browser.kill('SIGKILL'))
 await ended
-rmSync(profile, { recursive: true, force: true, maxRetries: 5 })
+clearTimeout(limit)
+rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 })
 process.exit(code)
