@@ -68,7 +68,7 @@ static void judge_exact(const StyReport *report, StyOpinion *out) {
   if (audit->coverage < bare)
     but = ", but the guide lacks directions";
   else if (is_ambiguous(audit))
-    but = ", but the guide leaves many to choose from";
+    but = ", but the guide is ambiguous";
   else if (is_torn(audit))
     but = ", but neighbours lie far apart";
   out->judgement = *but ? STY_JUDGED_FAIR : STY_JUDGED_GOOD;

@@ -260,7 +260,7 @@ function fillTiles() {
 // ---- the two pictures and what is read out ------------------------------------------------
 
 const overlays = [
-  { id: 'alike', name: 'lookalikes', about: 'in pink, pixels that face as the chosen texel asks; many places mean an ambiguous guide.' },
+  { id: 'alike', name: 'lookalikes', about: 'in pink, pixels that face as the chosen texel asks, paler where nearly so; many places mean an ambiguous guide.' },
   { id: 'ambiguous', name: 'ambiguous', about: 'in pink, pixels whose direction others show equally well.' },
   { id: 'unused', name: 'unused', about: 'in pink, pixels that no texel names.' },
   { id: 'none', name: 'normals', about: 'as colours: right is red, up is green.' },
@@ -277,13 +277,14 @@ function paintTable() {
   drawLegend(state.map)
 }
 
-// How strongly the overlay covers cell i of the guide, 0 to 1.
+// How strongly the overlay covers cell i of the guide, 0 to 1; the form below stays to be seen.
 function getCover(i, asked) {
   const guide = state.guide
   if (state.overlay.id === 'none') return 0
-  if (state.overlay.id !== 'alike') return guide[state.overlay.id][i] || 0
-  const reach = Math.max(audit.tolerance, 2 / Math.max(texelsX, texelsY)), dx = guide.gx[i] * 2 - 1 - asked[0], dy = guide.gy[i] * 2 - 1 - asked[1]
-  return dx * dx + dy * dy <= reach * reach ? 1 : 0
+  if (state.overlay.id !== 'alike') return 0.7 * (guide[state.overlay.id][i] || 0)
+  const reach = Math.max(audit.tolerance, 2 / Math.max(texelsX, texelsY))
+  const distance = Math.hypot(guide.gx[i] * 2 - 1 - asked[0], guide.gy[i] * 2 - 1 - asked[1])
+  return Math.min(Math.max(1.5 - distance / reach / 2, 0), 1)
 }
 
 function paintGuide() {
