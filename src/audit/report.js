@@ -391,7 +391,7 @@ function pointAtTable(event) {
 }
 function pointAtGuide(event) {
   const { guide, crop } = state, [x, y] = findCell(event), i = (crop.y + y) * guide.width + crop.x + x
-  if (x >= 0 && y >= 0 && x < crop.width && y < crop.height && !Number.isNaN(guide.gx[i])) 
+  if (x >= 0 && y >= 0 && x < crop.width && y < crop.height && !Number.isNaN(guide.gx[i]))
     moveToTexel(...findTexel(guide.gx[i] * 2 - 1, guide.gy[i] * 2 - 1))
 }
 
