@@ -22,10 +22,10 @@ endif
 AR ?= ar
 
 # What must be there before anything compiles, as Debian 12 packages.
-BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
+BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium
 BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev
 STYLE_PACKAGES = clang-format shellcheck
 
@@ -52,7 +52,7 @@ CFLAGS_ALL = -std=c11 $(COMMON) -Wstrict-prototypes -Wmissing-prototypes -fopenm
 CXXFLAGS_ALL = -std=c++17 $(COMMON) -frounding-math $(CXXFLAGS)
 # The runtime knows nothing of the rest, OpenMP and GNU extensions included.
 RUNTIME_CFLAGS = -std=c11 $(filter-out -D_GNU_SOURCE,$(COMMON)) -Wstrict-prototypes -Wmissing-prototypes $(CFLAGS)
-LIBRARIES = -lembree3 -lassimp -lflann -llz4 -ljansson -lnettle \
+LIBRARIES = -lembree3 -lassimp -lflann -llz4 -ljansson -lnettle -lz \
   $(if $(filter 1,$(CGAL)),-lmpfr -lgmp) -lstdc++ -lm
 LINK = $(CC) -fopenmp $(OPTIMIZE_$(config)) $(LDFLAGS)
 
@@ -124,6 +124,9 @@ $(BUILD)/%.c.o: %.c Makefile $(STAMP)
 $(BUILD)/%.cpp.o: %.cpp Makefile $(STAMP)
 	@mkdir -p $(@D)
 	$(CXX) $(CXXFLAGS_ALL) -c -o $@ $<
+
+# What the assembler brings in, see there.
+$(BUILD)/src/audit/html.c.o: src/audit/report.html src/audit/report.css src/audit/report.js
 
 # Programs of one or a few sources beside the tool.
 PAINT_SOURCES = $(wildcard exemplars/paint.c exemplars/paint/*.c)

@@ -31,3 +31,17 @@ printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s
 "$stylut" stylize "$demo/sharp" --guide "$demo/frame.exr" -o "$demo/sharp.png" -q
 "$stylut" compare "$demo/oil.png" "$demo/sharp.png" --failpercent 100 -o "$demo/heat.png" -q
 oiiotool "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"
+
+# The report on the creature as its own exemplar, as a browser shows it: few
+# texels and six bits a colour keep the picture small.
+here=$(dirname "$0")
+stylut=${STYLUT:-build/release/stylut}
+"$stylut" guide scene "$here/creature.ply" -s 512 -q -o "$demo/creature.png"
+"$stylut" lut "$demo/creature.png" -s 64 -q -o "$demo/creature.lut.exr"
+"$stylut" report "$demo/creature.lut.exr" --guide "$demo/creature.png" -q -o "$demo/creature.html"
+node "$here/../tests/cli/browse.mjs" "$demo/creature.html#map=spread&overlay=alike&texel=32,24" --size 1240x1460 \
+  --shot "$out/page.png" >/dev/null
+oiiotool "$out/page.png" --ch R,G,B --mulc 0.2471 -d uint8 -o "$out/page.tif"
+oiiotool "$out/page.tif" --mulc 4.0476 --clamp:max=1 -d uint8 --compression zip:9 --eraseattrib '.*' \
+  --attrib DateTime '2000:01:01 00:00:00' -o "$out/report.png"
+rm "$out/page.png" "$out/page.tif"

@@ -18,7 +18,7 @@ declare -A may=(
   [scene]="status image parse parallel file json image_io version scene"
   [guide]="status image parse parallel file json image_io version scene guide"
   [lut]="status image parse parallel file json version lut"
-  [audit]="status image parse parallel file json lut audit compare probe"
+  [audit]="status image parse parallel file json lut audit compare probe report"
   [pack]="status image parse parallel file json ktx2 pack runtime runtime_format"
   [runtime]="runtime runtime_format"
 )

@@ -44,6 +44,7 @@ static error_t parse_audit(int key, char *text, struct argp_state *state) {
   AuditArguments *audit = &command->audit;
   StyError *error = &command->options.error;
   StyStatus status = STY_OK;
+  if (key >= KEY_GUIDE && key <= KEY_JUMP) begin_option(key, text, state);
   switch (key) {
     case KEY_GUIDE: audit->guide = text; break;
     case KEY_AS: status = sty_parse_choice("--as", text, sty_foreign_names, &audit->foreign, error); break;

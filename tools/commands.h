@@ -7,6 +7,7 @@
 StyStatus run_guide(int argc, char **argv);
 StyStatus run_lut(int argc, char **argv);
 StyStatus run_check(int argc, char **argv);
+StyStatus run_report(int argc, char **argv);
 StyStatus run_pack(int argc, char **argv);
 StyStatus run_stylize(int argc, char **argv);
 StyStatus run_info(int argc, char **argv);

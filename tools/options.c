@@ -138,7 +138,8 @@ void begin_option(int key, const char *argument, const struct argp_state *state)
     return;
   }
   const struct argp_option *option = find_option(state->root_argp, key);
-  if (!option && key == KEY_SEED) option = find_option(&seed_argp, key);
+  const struct argp_child *groups = state->root_argp->children;
+  for (int g = 0; !option && groups && groups[g].argp; g++) option = find_option(groups[g].argp, key);
   if (option) record(options, option->name, argument);
 }
 

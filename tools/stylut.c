@@ -19,6 +19,7 @@ static const Command commands[] = {
     {"lut", "build the nearest-neighbour look-up table of a guide", run_lut},
     {"probe", "send one guide value through a table, step by step", run_probe},
     {"check", "audit a table and hold it to budgets", run_check},
+    {"report", "show the audit of a table as a page with maps and charts", run_report},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
     {"info", "say what a file or bundle holds", run_info},

@@ -39,8 +39,14 @@ typedef struct StyAuditOptions {
  * float at 1. */
 double sty_get_precision(const StyImage *guide);
 
+/* Errors span decades, so they are counted in bins of equal ratio: bin 0 from 0,
+ * bin k from STY_LEAST_ERROR * 10^((k-1)/STY_ERROR_BINS_A_DECADE) degrees. */
+#define STY_LEAST_ERROR 1e-4
+enum { STY_ERROR_BINS_A_DECADE = 24, STY_ERROR_BINS = 152 };
+
 typedef struct StyFigures {
   double mean, p50, p95, p99, max; /* degrees, weighted; percentiles by nearest rank */
+  double shares[STY_ERROR_BINS];   /* of the weight, by error; sum 1 */
   /* Where the max is, first in row-major order: texel, guide value asked for,
    * source pixel given. */
   int texel[2];

@@ -69,6 +69,12 @@ static int compare_samples(const void *a, const void *b) {
   return (x->weight > y->weight) - (x->weight < y->weight);
 }
 
+static int get_error_bin(double error) {
+  if (!(error >= STY_LEAST_ERROR)) return 0;
+  const int bin = 1 + (int)floor(log10(error / STY_LEAST_ERROR) * STY_ERROR_BINS_A_DECADE);
+  return bin < STY_ERROR_BINS ? bin : STY_ERROR_BINS - 1;
+}
+
 StyFigures sty_finish_tally(StyTally *tally) {
   double weight = 0, sum = 0;
   for (size_t i = 0; i < tally->count; i++) {
@@ -78,6 +84,8 @@ StyFigures sty_finish_tally(StyTally *tally) {
   qsort(tally->samples, tally->count, sizeof *tally->samples, compare_samples);
   StyFigures figures = tally->figures;
   figures.mean = sum / weight;
+  for (size_t i = 0; i < tally->count; i++)
+    figures.shares[get_error_bin(tally->samples[i].error)] += tally->samples[i].weight / weight;
   const double shares[] = {0.50, 0.95, 0.99};
   double *const percentiles[] = {&figures.p50, &figures.p95, &figures.p99};
   for (int k = 0; k < 3; k++) {
