@@ -35,7 +35,6 @@ oiiotool "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib 
 # The report on the creature as its own exemplar, as a browser shows it: few
 # texels and six bits a colour keep the picture small.
 here=$(dirname "$0")
-stylut=${STYLUT:-build/release/stylut}
 "$stylut" guide scene "$here/creature.ply" -s 512 -q -o "$demo/creature.png"
 "$stylut" lut "$demo/creature.png" -s 64 -q -o "$demo/creature.lut.exr"
 "$stylut" report "$demo/creature.lut.exr" --guide "$demo/creature.png" -q -o "$demo/creature.html"

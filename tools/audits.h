@@ -24,8 +24,7 @@ typedef struct AuditCommand {
 } AuditCommand;
 
 extern const struct argp audit_argp; /* --guide --as --weights --frames --tolerance --precision --jump */
-extern const struct argp
-    table_argp; /* of these, for commands that look into a table: --guide --as --precision --jump */
+extern const struct argp table_argp; /* --guide --as --precision --jump: all that looking into a table needs */
 extern const AuditArguments default_audit_arguments;
 
 /* The command's arguments: the table, then more frames once --frames was given. */
