@@ -121,7 +121,7 @@ int main(void) {
   StyError error;
   if (sty_make_sphere_guide(16, 16, STY_GUIDE_NORMAL, &guide, &error) || sty_collect_sites("sphere", guide, &sites, &error) ||
       sty_find_engine("engine", "flann-single", &engine, &error) ||
-      sty_build_lut(sites, engine, 16, STY_SAMPLE_CENTRE, &run, &lut, &error)) {
+      sty_build_lut(sites, engine, NULL, &(StyLutSpec){.width = 16, .height = 16}, &run, &lut, &error)) {
     puts(error.text);
     return 1;
   }
