@@ -125,10 +125,10 @@ static void advise_on_errors(const StyReport *report, const StyFacts *facts, Sty
            "empty. Build the table anew with stylut lut.",
            audit->background);
   if (is_exact(audit)) return;
-  if (facts->fits_bytes)
+  if (facts->lost_to_bytes)
     advise(out,
-           "The table names no more than 256 columns and rows of a source of %d x %d: it was stored with 8 bits a "
-           "coordinate (rg8) and lost its precision. Store it as rg16, rg8x2 or f32.",
+           "The table names only pixels that 8 bits a coordinate can name, of a source of %d x %d: it went through rg8 "
+           "and lost its precision. Store it as rg16, rg8x2 or f32.",
            report->lut->source_width, report->lut->source_height);
   advise(out,
          "An exact table of this guide would err %.2f degrees less on average, and up to %.1f less (at texel %d, %d): "
@@ -214,7 +214,7 @@ static void advise_on_size(const StyReport *report, const StyFacts *facts, StyOp
         "the outer twentieth of the disc. For float guides --map equal-area spends texels evenly over directions.",
         say_share(facts->rim).text);
   const size_t covered = audit->usage[0] + audit->usage[1] + audit->usage[2] + audit->usage[3] + audit->usage[4];
-  if (audit->feasible > covered && audit->unused > 0.3 && !weighs_frames(report))
+  if (is_exact(audit) && audit->feasible > covered && audit->unused > 0.3 && !weighs_frames(report))
     advise(out,
            "Though the table has more texels than the guide has pixels, %s of the pixels are never the answer: they "
            "show directions that others show, too.",

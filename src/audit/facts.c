@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "audit/figures.h"
 
@@ -138,32 +137,27 @@ static StyStatus gather_encoding(const StyReport *report, const StyGuidePlanes *
   return STY_OK;
 }
 
-/* How many columns (axis 0) or rows (axis 1) of the source feasible texels name. */
-static int count_named(const StyReport *report, const StyLut *lut, int axis, bool *named) {
-  const uint32_t width = (uint32_t)lut->source_width;
-  const int side = axis ? lut->source_height : lut->source_width;
-  int count = 0;
-  memset(named, 0, (size_t)side * sizeof *named);
-  for (size_t t = 0; t < count_report_texels(report); t++)
-    if (!isnan(report->maps->weights[t])) named[axis ? lut->pixels[t] / width : lut->pixels[t] % width] = true;
-  for (int i = 0; i < side; i++) count += named[i];
-  return count;
+static bool is_byte_coordinate(uint32_t at, uint32_t side) {
+  return sty_decode_coordinate(sty_encode_coordinate(at, side, 255), side, 255) == at;
 }
 
-static StyStatus look_for_bytes(const StyReport *report, StyFacts *out, StyError *error) {
-  const StyLut *lut = report->lut;
-  const int longer = lut->source_width > lut->source_height ? lut->source_width : lut->source_height;
-  bool *named = malloc((size_t)longer * sizeof *named);
-  if (!named) return sty_fail_memory(error, "report", longer);
-  out->fits_bytes = true;
-  bool wants_more = false;
-  for (int axis = 0; axis < 2; axis++) {
-    out->fits_bytes &= count_named(report, lut, axis, named) <= 256;
-    wants_more |= count_named(report, report->exact, axis, named) > 256;
+/* Share of the feasible texels whose pixel two bytes can name; other tools count rows from below. */
+static double measure_byte_pixels(const StyReport *report, const StyLut *lut) {
+  const uint32_t width = (uint32_t)lut->source_width, height = (uint32_t)lut->source_height;
+  size_t texels = 0, from_above = 0, from_below = 0;
+  for (size_t t = 0; t < count_report_texels(report); t++) {
+    if (isnan(report->maps->weights[t])) continue;
+    const uint32_t x = lut->pixels[t] % width, y = lut->pixels[t] / width;
+    texels++;
+    if (!is_byte_coordinate(x, width)) continue;
+    from_above += is_byte_coordinate(y, height);
+    from_below += is_byte_coordinate(height - 1 - y, height);
   }
-  out->fits_bytes &= wants_more;
-  free(named);
-  return STY_OK;
+  return (double)(from_above > from_below ? from_above : from_below) / (double)texels;
+}
+
+static bool lost_to_bytes(const StyReport *report) {
+  return measure_byte_pixels(report, report->lut) > 0.99 && measure_byte_pixels(report, report->exact) < 0.8;
 }
 
 StyStatus sty_gather_facts(const StyReport *report, StyFacts *out, StyError *error) {
@@ -174,7 +168,7 @@ StyStatus sty_gather_facts(const StyReport *report, StyFacts *out, StyError *err
   if (!status) status = gather_radii(report, &facts, error);
   for (int e = 0; !status && e < STY_ENCODINGS; e++)
     status = gather_encoding(report, &guide, (StyEncoding)e, &facts.encodings[e], error);
-  if (!status) status = look_for_bytes(report, &facts, error);
+  facts.lost_to_bytes = lost_to_bytes(report);
   facts.spread = measure_ambiguous_spread(report);
   if (!status) *out = facts;
   return status;

@@ -33,8 +33,8 @@ typedef struct StyFacts {
   StyRing rings[STY_RINGS];
   StyEncodingCost encodings[STY_ENCODINGS]; /* by StyEncoding */
   double spread;                            /* mean of the ambiguous texels' spread, source pixels */
-  bool fits_bytes; /* no more than 256 columns and rows of the source are named, though exactness wants more */
-  double rim;      /* share of the worst hundredth of assignment errors that lies beyond radius 0.95 */
+  bool lost_to_bytes; /* the table names only pixels that two bytes can name; an exact one names others, too */
+  double rim;         /* share of the worst hundredth of assignment errors that lies beyond radius 0.95 */
 } StyFacts;
 
 StyStatus sty_gather_facts(const StyReport *report, StyFacts *out, StyError *error);

@@ -216,7 +216,7 @@ expect_advice() { expect_holds advice "$output" "$1"; }
   expect_advice 'Keep 16 bits a coordinate'
   accept lut large.exr -s 300 --encoding rg8 -o rg8.png
   accept report rg8.png --guide large.exr -o r.html
-  expect_advice 'stored with 8 bits'
+  expect_advice 'it went through rg8'
   accept lut large.exr -s 30 -o tiny.exr
   accept report tiny.exr --guide large.exr -o r.html
   expect_advice 'The table is small for its guide'
@@ -226,6 +226,7 @@ expect_advice() { expect_holds advice "$output" "$1"; }
   need_data unity-plugin/lut.png unity-plugin/s_normals.png
   accept report "$data/unity-plugin/lut.png" --guide "$data/unity-plugin/s_normals.png" --as unity -o r.html
   expect_match said "$output" '^Wrong: only 36 % of the texels hold the nearest pixel; 307 point at the background'
+  expect_holds said "$output" 'it went through rg8'
   browse r.html --eval '[state.table.step, document.getElementById("verdict").className].join()'
   expect page "$(value)" 2,bad
 }
