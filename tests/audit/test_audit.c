@@ -509,6 +509,11 @@ static void test_pieces_by_hand(void **state) {
                 "ooo"
                 "oo#",
                 2, sqrt(2));
+  expect_pieces(3, 3,
+                "###"
+                "#o#"
+                "###",
+                1, sqrt(1.5));
   /* One that is two until its last row joins them. */
   expect_pieces(5, 3,
                 "#ooo#"
