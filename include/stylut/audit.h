@@ -86,7 +86,7 @@ typedef struct StyAudit {
                       says how much of any table's choice is chance */
 } StyAudit;
 
-/* Per texel, row-major; NAN where a texel isn't feasible. */
+/* Per texel, row-major; NAN where a texel isn't feasible (assignment and excess: or has no weight). */
 typedef struct StyAuditMaps {
   float *assignment, *excess; /* degrees */
   float *pieces;              /* of the source pixels within the precision */

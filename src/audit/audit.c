@@ -100,7 +100,7 @@ static StyStatus weigh_texels(const Case *c, StyError *error) {
   if (!(sum > 0))
     return c->options->weights == STY_WEIGHT_FRAMES
                ? sty_fail(error, STY_ERROR_INPUT,
-                          "found no covered pixel in the frames, expected one that asks for something")
+                          "found no covered pixel in the frames that asks for a feasible texel, expected one")
                : sty_fail(error, STY_ERROR_INPUT,
                           "found no feasible texel in a LUT of size %d, expected size 3 or more", spec->width);
   for (size_t t = 0; t < sty_count_texels(spec); t++) weights[t] = (float)((double)weights[t] / sum);
