@@ -21,6 +21,9 @@ versions=$("$build/stylut" --version | head -n 2 | paste -s -d ';' | sed 's/;/; 
     printf 'bench: %s\n' "$section" >&2
     "$build/tests/bench/bench" "$section" "$build/stylut" "$exemplars" "$scratch"
   done
+  printf 'bench: engines\n' >&2
+  data=${STYLUT_DATA:-$here/../../../shared/data}
+  if [ -d "$data" ]; then "$build/tests/bench/engines" "$data"; else "$build/tests/bench/engines"; fi
 } >"$scratch/bench.csv"
 mv "$scratch/bench.csv" "$csv"
 
