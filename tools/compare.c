@@ -262,6 +262,5 @@ StyStatus run_compare(int argc, char **argv) {
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !options->helped) status = run(&arguments, &pair);
   close_pair(&pair);
-  if (status == STY_FILES_DIFFER) fprintf(stderr, "stylut: error: %s\n", options->error.text);
   return finish_command(options, status);
 }
