@@ -73,9 +73,16 @@ run_script include/headers env CC="$CC" CXX="$CXX" "$here/include/test_headers.s
 export STYLUT=$build/stylut STYLUT_BUILD=$build STYLUT_CONFIG=$config STYLUT_ROOT=$root
 # Two files at a time: most of their time is programs starting.
 rm -f "$log"/*.tap
-# shellcheck disable=SC2016 # for the shells that xargs starts
-printf '%s\0' "$here"/cli/*.bats |
-  xargs -0 -P 2 -I FILE bash -c 'bats --tap "$1" >"$2/$(basename "$1" .bats).tap" 2>&1 || echo "exit $?" >>"$2/$(basename "$1" .bats).tap"' _ FILE "$log"
+run_file() { # FILE
+  local tap
+  tap=$log/$(basename "$1" .bats).tap
+  bats --tap "$1" >"$tap" 2>&1 || echo "exit $?" >>"$tap"
+}
+for file in "$here"/cli/*.bats; do
+  [ "$(jobs -rp | wc -l)" -lt 2 ] || wait -n
+  run_file "$file" &
+done
+wait
 for file in "$log"/*.tap; do
   grep -E '^not ok|^#|^ok .*# skip' "$file"
   skips=$(grep -c '^ok .*# skip' "$file")

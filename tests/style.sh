@@ -31,8 +31,9 @@ for folder in "${!may[@]}"; do
   while IFS=: read -r file header; do
     case $folder in
       scene | guide) near='bridge|scene' ;;
-      lut) near='base|bridge' ;; # the processor's units, CGAL's tree
-      audit) near='lut' ;;
+      lut) near='base|bridge' ;; # CGAL's tree
+      audit) near='base|lut' ;;
+      pack) near='base' ;;
       *) near=$folder ;;
     esac
     [[ $header == "$folder"/* || $header =~ ^($near)/ ]] ||

@@ -31,14 +31,6 @@ static const struct argp_option options_table[] = {
 };
 enum { AUDITS_ONLY = 3 };
 
-static StyStatus add_frame(AuditCommand *command, const char *text) {
-  if (command->audit.frame_count == MOST_FRAMES)
-    return sty_fail(&command->options.error, STY_ERROR_USAGE,
-                    "--frames: found more than %d files, expected at most that", MOST_FRAMES);
-  command->audit.frames[command->audit.frame_count++] = text;
-  return STY_OK;
-}
-
 static error_t parse_audit(int key, char *text, struct argp_state *state) {
   AuditCommand *command = state->input;
   AuditArguments *audit = &command->audit;
@@ -49,7 +41,7 @@ static error_t parse_audit(int key, char *text, struct argp_state *state) {
     case KEY_GUIDE: audit->guide = text; break;
     case KEY_AS: status = sty_parse_choice("--as", text, sty_foreign_names, &audit->foreign, error); break;
     case KEY_WEIGHTS: status = sty_parse_choice("--weights", text, sty_weights_names, &audit->weights, error); break;
-    case KEY_FRAMES: status = add_frame(command, text); break;
+    case KEY_FRAMES: status = add_frame(&audit->frames, text, error); break;
     case KEY_TOLERANCE: status = sty_parse_number("--tolerance", text, 0, 255, &audit->tolerance, error); break;
     case KEY_PRECISION: status = sty_parse_number("--precision", text, 1e-6, 255, &audit->precision, error); break;
     case KEY_JUMP: status = sty_parse_number("--jump", text, 0.5, STY_MAX_SIDE, &audit->jump, error); break;
@@ -62,7 +54,8 @@ const struct argp audit_argp = {.options = options_table, .parser = parse_audit}
 const struct argp table_argp = {.options = options_table + AUDITS_ONLY, .parser = parse_audit};
 
 StyStatus take_audit_argument(AuditCommand *command, const char *text) {
-  if (command->audit.lut && command->audit.frame_count) return add_frame(command, text);
+  if (command->audit.lut && command->audit.frames.count)
+    return add_frame(&command->audit.frames, text, &command->options.error);
   return take_argument(&command->options, &command->audit.lut, text);
 }
 
@@ -73,10 +66,10 @@ StyStatus check_audit_arguments(AuditCommand *command) {
   if (status) return status;
   if (!audit->guide)
     return sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the guide the table was made for");
-  if (audit->frame_count && audit->weights == STY_WEIGHT_DISC) audit->weights = STY_WEIGHT_FRAMES;
-  if (!audit->frame_count && audit->weights == STY_WEIGHT_FRAMES)
+  if (audit->frames.count && audit->weights == STY_WEIGHT_DISC) audit->weights = STY_WEIGHT_FRAMES;
+  if (!audit->frames.count && audit->weights == STY_WEIGHT_FRAMES)
     return sty_fail(error, STY_ERROR_USAGE, "--weights: found frames without --frames, expected files to weigh by");
-  if (audit->frame_count && audit->weights != STY_WEIGHT_FRAMES)
+  if (audit->frames.count && audit->weights != STY_WEIGHT_FRAMES)
     return sty_fail(error, STY_ERROR_USAGE, "--frames: found with --weights %s, expected with frames",
                     sty_weights_names[audit->weights]);
   return STY_OK;
@@ -90,7 +83,7 @@ StyStatus open_table(const AuditCommand *command, AuditCase *out, StyError *erro
     status = read_lut(audit->lut, &hints, &out->lut, error);
     if (status) sty_fail(error, status, "%s (its guide being %s)", error->text, audit->guide);
   }
-  for (int f = 0; !status && f < audit->frame_count; f++) status = read_guide(audit->frames[f], &out->frames[f], error);
+  if (!status) status = read_frames(&audit->frames, out->frames, error);
   if (!status) status = sty_collect_sites(audit->guide, out->guide, &out->sites, error);
   return status;
 }
@@ -112,7 +105,7 @@ void close_audit(AuditCase *subject) {
   sty_destroy_sites(&subject->sites);
   sty_destroy_lut(&subject->lut);
   sty_destroy_lut(&subject->exact);
-  for (int f = 0; f < MOST_FRAMES; f++) sty_destroy_image(&subject->frames[f]);
+  destroy_frames(subject->frames);
 }
 
 StyStatus run_audit(AuditCommand *command, const AuditCase *subject, StyAudit *out, StyAuditMaps *maps,
@@ -123,7 +116,7 @@ StyStatus run_audit(AuditCommand *command, const AuditCase *subject, StyAudit *o
                                    .jump = audit->jump,
                                    .weights = (StyWeights)audit->weights,
                                    .frames = (const StyImage *const *)subject->frames,
-                                   .frame_count = audit->frame_count,
+                                   .frame_count = audit->frames.count,
                                    .seed = command->options.seed};
   const StyRun run = begin_progress(&command->options, "auditing");
   const StyStatus status =

@@ -3,17 +3,15 @@
 #ifndef STYLUT_TOOLS_AUDITS_H
 #define STYLUT_TOOLS_AUDITS_H
 
+#include "inputs.h"
 #include "options.h"
 #include "stylut/audit.h"
-
-enum { MOST_FRAMES = 256 };
 
 typedef struct AuditArguments {
   const char *lut, *guide;
   int foreign; /* a StyForeign */
   int weights; /* a StyWeights */
-  const char *frames[MOST_FRAMES];
-  int frame_count;
+  Frames frames;
   double tolerance, precision, jump; /* 8-bit levels, 8-bit levels, pixels; the last two 0: by themselves */
 } AuditArguments;
 

@@ -8,6 +8,22 @@
 /* Reads a file and turns it into a guide with A and normal.* (see guide.h). */
 StyStatus read_guide(const char *path, StyImage **out, StyError *error);
 
+/* Guides of frames, as --frames takes them. */
+enum { MOST_FRAMES = 256 };
+
+typedef struct Frames {
+  const char *files[MOST_FRAMES];
+  int count;
+} Frames;
+
+/* One more file; too many are an error. */
+StyStatus add_frame(Frames *frames, const char *file, StyError *error);
+
+/* Reads them all into `out`, which is zero and has room for MOST_FRAMES; the
+ * caller destroys what it holds, after a failure too. */
+StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error);
+void destroy_frames(StyImage *frames[MOST_FRAMES]);
+
 /* Reads a table; `hints` say what the file may leave out. */
 StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error);
 

@@ -11,16 +11,13 @@
 #include "stylut/image_io.h"
 #include "stylut/parse.h"
 
-enum { MOST_FRAMES = 256 };
-
 typedef struct Arguments {
   Options options;
   const char *guide;
   int size;                  /* 0: the smallest that meets the budget */
   int sampling, map, metric; /* the spec's enums; map -1: either */
   double max_p99;            /* degrees; 0: no budget */
-  const char *frames[MOST_FRAMES];
-  int frame_count;
+  Frames frames;
   const char *engine_name;
   const StyEngine *engine;
   StyEngineOptions engine_options;
@@ -62,8 +59,7 @@ static const struct argp_option options_table[] = {
      0},
     {"sampling", KEY_SAMPLING, "KIND", 0,
      "what texels answer for: centre, their centres; unorm8, byte values, exactly; corner, their lower left corners, "
-     "as "
-     "StyleBlitUnity's (default: centre)",
+     "as StyleBlitUnity's (default: centre)",
      0},
     {"map", KEY_MAP, "KIND", 0,
      "where values stand: xy; equal-area: every texel covers the same solid angle; or, with --size auto, auto: "
@@ -91,14 +87,17 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
     status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
   if (!status && arguments->size != 0 &&
-      (arguments->max_p99 > 0 || arguments->frame_count || arguments->map == MAP_ANY))
+      (arguments->max_p99 > 0 || arguments->frames.count || arguments->map == MAP_ANY))
     status = sty_fail(error, STY_ERROR_USAGE, "--size: found %d with %s, expected auto", arguments->size,
-                      arguments->max_p99 > 0   ? "--max-p99"
-                      : arguments->frame_count ? "--frames"
-                                               : "--map auto");
+                      arguments->max_p99 > 0    ? "--max-p99"
+                      : arguments->frames.count ? "--frames"
+                                                : "--map auto");
   if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
   if (!status) status = require_output(&arguments->options);
   if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
+  if (!status)
+    status = protect_inputs(&arguments->options, arguments->options.output, arguments->frames.files,
+                            arguments->frames.count);
   StyImageFormat format = STY_IMAGE_EXR;
   if (!status) status = sty_get_image_format(arguments->options.output, &format, error);
   if (status) return status;
@@ -127,17 +126,10 @@ static StyStatus set_map(Arguments *arguments, const char *text) {
   return STY_OK;
 }
 
-static StyStatus add_frame(Arguments *arguments, const char *text) {
-  if (arguments->frame_count == MOST_FRAMES)
-    return sty_fail(&arguments->options.error, STY_ERROR_USAGE,
-                    "--frames: found more than %d files, expected at most that", MOST_FRAMES);
-  arguments->frames[arguments->frame_count++] = text;
-  return STY_OK;
-}
-
 /* The guide, then more frames once --frames was given. */
 static StyStatus take_file(Arguments *arguments, const char *text) {
-  if (arguments->guide && arguments->frame_count) return add_frame(arguments, text);
+  if (arguments->guide && arguments->frames.count)
+    return add_frame(&arguments->frames, text, &arguments->options.error);
   return take_argument(&arguments->options, &arguments->guide, text);
 }
 
@@ -153,7 +145,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case 's': status = set_size(arguments, text); break;
     case KEY_MAX_P99: status = sty_parse_number("--max-p99", text, 1e-6, 180, &arguments->max_p99, error); break;
-    case KEY_FRAMES: status = add_frame(arguments, text); break;
+    case KEY_FRAMES: status = add_frame(&arguments->frames, text, error); break;
     case 'e': arguments->engine_name = text; break;
     case KEY_SAMPLING:
       status = sty_parse_choice("--sampling", text, sty_sampling_names, &arguments->sampling, error);
@@ -266,19 +258,17 @@ static StyStatus choose_spec(Arguments *arguments, const StySites *sites, const 
   StyImage *frames[MOST_FRAMES] = {NULL};
   StyCandidate candidates[STY_MOST_CANDIDATES];
   int count = 0, chosen = -1;
-  StyStatus status = STY_OK;
-  for (int f = 0; !status && f < arguments->frame_count; f++)
-    status = read_guide(arguments->frames[f], &frames[f], error);
-  const StyAuditOptions options = {.weights = arguments->frame_count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC,
+  StyStatus status = read_frames(&arguments->frames, frames, error);
+  const StyAuditOptions options = {.weights = arguments->frames.count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC,
                                    .frames = (const StyImage *const *)frames,
-                                   .frame_count = arguments->frame_count};
+                                   .frame_count = arguments->frames.count};
   if (!status) {
     const StyRun run = begin_progress(&arguments->options, "choosing");
     status = sty_choose_size(sites, guide, spec, arguments->map == MAP_ANY, (StyEncoding)arguments->encoding, &options,
                              arguments->max_p99, &run, candidates, &count, &chosen, error);
     end_progress(&arguments->options);
   }
-  for (int f = 0; f < arguments->frame_count; f++) sty_destroy_image(&frames[f]);
+  destroy_frames(frames);
   if (status) return status;
   if (chosen < 0) {
     int best = 0;

@@ -15,14 +15,14 @@ enum { MOST_FILES = 2 + MOST_FRAMES };
 static StyStatus check_output(AuditCommand *command) {
   Options *options = &command->options;
   const char *inputs[MOST_FILES] = {command->audit.lut, command->audit.guide};
-  memcpy(inputs + 2, command->audit.frames, (size_t)command->audit.frame_count * sizeof *inputs);
+  memcpy(inputs + 2, command->audit.frames.files, (size_t)command->audit.frames.count * sizeof *inputs);
   StyStatus status = require_output(options);
   if (status) return status;
   const char *dot = strrchr(options->output, '.');
   if (!dot || (strcasecmp(dot, ".html") != 0 && strcasecmp(dot, ".htm") != 0))
     return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found %s, expected a name ending in .html",
                     options->output);
-  return protect_inputs(options, options->output, inputs, 2 + command->audit.frame_count);
+  return protect_inputs(options, options->output, inputs, 2 + command->audit.frames.count);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -58,13 +58,13 @@ static const struct argp parser = {
 static StyStatus name_files(const AuditCommand *command, StyReportFile files[MOST_FILES], StyError *error) {
   const AuditArguments *audit = &command->audit;
   StyStatus status = STY_OK;
-  for (int f = 0; !status && f < 2 + audit->frame_count; f++) {
+  for (int f = 0; !status && f < 2 + audit->frames.count; f++) {
     files[f] = (StyReportFile){.role = f == 0   ? "table"
                                        : f == 1 ? "guide"
                                                 : "frame",
                                .name = f == 0   ? audit->lut
                                        : f == 1 ? audit->guide
-                                                : audit->frames[f - 2]};
+                                                : audit->frames.files[f - 2]};
     if (!command->options.no_history) status = sty_hash_file(files[f].name, files[f].hash, error);
   }
   return status;
@@ -102,7 +102,7 @@ static StyStatus write_and_print(const AuditCommand *command, const AuditCase *s
   StyReportFile files[MOST_FILES];
   json_t *line = options->no_history ? NULL : get_command_line(options, "report");
   const StyReport report = {.files = files,
-                            .file_count = 2 + command->audit.frame_count,
+                            .file_count = 2 + command->audit.frames.count,
                             .command = json_string_value(line),
                             .lut = subject->lut,
                             .exact = subject->exact,

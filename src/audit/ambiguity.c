@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "lut/near.h"
 
 /* ---- pieces ------------------------------------------------------------------- */
@@ -159,13 +160,7 @@ StyStatus sty_measure_ambiguity(const StyLut *exact, const StySites *sites, doub
 
 enum { TRIALS = 8 };
 
-/* splitmix64: the same numbers everywhere. */
-static double draw_signed_half(uint64_t *state) {
-  uint64_t z = *state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53 - 0.5;
-}
+static double draw_signed_half(uint64_t *state) { return (double)(sty_draw_bits(state) >> 11) * 0x1p-53 - 0.5; }
 
 static void count_moves(const StyLut *exact, const StyLut *disturbed, double jump, float *unstable) {
   const uint32_t width = (uint32_t)exact->source_width;

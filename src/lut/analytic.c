@@ -48,9 +48,7 @@ static StyStatus check_sphere(const StySites *sites, float *deviation, StyError 
 /* Squared, by the measure: float, or integer where the guide's values are levels. */
 static double measure_site(const Job *job, size_t site, const StyQuery *query) {
   if (!job->measure.integer) return (double)sty_square_distance(2, query->at, job->sites->values + 2 * site);
-  const double dx = query->steps[0] - job->measure.scale * (double)job->sites->levels[2 * site];
-  const double dy = query->steps[1] - job->measure.scale * (double)job->sites->levels[2 * site + 1];
-  return dx * dx + dy * dy;
+  return sty_square_steps(&job->measure, query, job->sites->levels + 2 * site);
 }
 
 /* Sites ascend by pixel: the first at the minimum is the lowest. */

@@ -2,12 +2,9 @@
 
 static double scan_levels(const StyPoints *points, const StyQuery *query) {
   double best = sty_measure_point(points, 0, query);
-  const double scale = points->measure.scale, x = query->steps[0], y = query->steps[1];
-  const uint8_t *levels = points->levels;
 #pragma omp simd reduction(min : best)
   for (size_t p = 1; p < points->count; p++) {
-    const double dx = x - scale * (double)levels[2 * p], dy = y - scale * (double)levels[2 * p + 1];
-    const double distance = dx * dx + dy * dy;
+    const double distance = sty_square_steps(&points->measure, query, points->levels + 2 * p);
     best = distance < best ? distance : best;
   }
   return best;

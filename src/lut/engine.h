@@ -23,9 +23,8 @@ StyStatus sty_build_grid(const StySites *sites, const StyEngineOptions *options,
 
 /* ---- the one distance that all exact engines agree on ------------------------- */
 
-/* How distances are measured for a guide and a table. In integers, a texel and
- * a level are multiples of one fine step: with b the byte, the place of texel i
- * is `scale * b` + its distance. */
+/* How distances are measured for a guide and a table. In integers, texels and
+ * levels stand on one scale of fine steps: byte b at `scale * b`. */
 typedef struct StyMeasure {
   int dims;     /* of points: 2, or 3 for the metric angle */
   bool integer; /* levels are compared in integers (held in double, where all of them are exact) */
@@ -60,6 +59,13 @@ static inline float sty_square_distance(int dims, const float a[], const float b
   return dx * dx + dy * dy + dz * dz;
 }
 
+/* The same in integers, to a site of these two levels. */
+static inline double sty_square_steps(const StyMeasure *measure, const StyQuery *query, const uint8_t levels[2]) {
+  const double dx = query->steps[0] - measure->scale * (double)levels[0];
+  const double dy = query->steps[1] - measure->scale * (double)levels[1];
+  return dx * dx + dy * dy;
+}
+
 /* Writes a texel's answer: the source pixel, and the squared distance measured. */
 void sty_set_texel(StyLut *lut, const StyMeasure *measure, size_t texel, uint32_t pixel, double squared);
 
@@ -82,9 +88,7 @@ static inline double sty_measure_point(const StyPoints *points, size_t point, co
   if (!points->measure.integer)
     return (double)sty_square_distance(points->measure.dims, query->at,
                                        points->values + (size_t)points->measure.dims * point);
-  const double dx = query->steps[0] - points->measure.scale * (double)points->levels[2 * point];
-  const double dy = query->steps[1] - points->measure.scale * (double)points->levels[2 * point + 1];
-  return dx * dx + dy * dy;
+  return sty_square_steps(&points->measure, query, points->levels + 2 * point);
 }
 
 /* The nearest point by looking at each; ties go to the lowest pixel. */

@@ -29,6 +29,7 @@ static StyStatus open_index(const char *name, const StyPoints *points, Index *in
   flann_set_distance_type(FLANN_DIST_EUCLIDEAN, 0);
   index->index =
       flann_build_index_float(points->values, (int)points->count, points->measure.dims, &speedup, &index->parameters);
+  index->parameters.random_seed = 0; /* or every single query would seed the C library's generator anew */
   return index->index ? STY_OK : sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN could not build its index", name);
 }
 
@@ -75,6 +76,10 @@ StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *
 }
 
 /* ---- approximate -------------------------------------------------------------- */
+
+/* FLANN 1.9.2 takes 15 s to tune itself to 1,250 points, and at 2,800 it may not
+ * come to an end at all (AutotunedIndex::optimizeKDTree). */
+enum { MOST_TUNED = 1000 };
 
 typedef struct Job {
   const char *name;
@@ -127,7 +132,13 @@ static StyStatus build_approximate(const char *name, const StySites *sites, stru
   if (status) return status;
   lut->unique = points.count;
   Index index = {NULL, parameters};
-  status = open_index(name, &points, &index, error);
+  if (parameters.algorithm == FLANN_INDEX_AUTOTUNED && points.count > MOST_TUNED)
+    status =
+        sty_fail(error, STY_ERROR_INPUT,
+                 "engine %s: found %zu distinct values, expected at most %d: FLANN takes too long to tune itself to "
+                 "more",
+                 name, points.count, MOST_TUNED);
+  if (!status) status = open_index(name, &points, &index, error);
   if (!status) {
     Job job = {name, &points, &index, lut};
     status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);

@@ -10,10 +10,11 @@
  * way from p to q, two regions on, lies an occupied region, and all of its points
  * are nearer to q.
  *
- * Bounds: a block of 16 texels looks at no more than 7 x 7 plain regions, so that
- * is constant work. The tree, like any, has no better bound than all of its
- * points for each texel, which needs all of them to be equally far; a circle
- * seen from its very centre. */
+ * Bounds: of the plain points a block of 16 texels looks at those in its own cells,
+ * which over the whole table is each of them about once, and at those within
+ * reach of it, which are bounded in number. The tree, like any, has no better
+ * bound than all of its points for each texel, which needs all of them to be
+ * equally far: a circle seen from its very centre. */
 #include "lut/grid.h"
 
 #include <float.h>

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "lut/engine.h"
 
 StyMeasure sty_choose_measure(const StySites *sites, const StyLutSpec *spec) {
@@ -58,13 +59,6 @@ void sty_set_texel(StyLut *lut, const StyMeasure *measure, size_t texel, uint32_
 
 /* ---- collapsing --------------------------------------------------------------- */
 
-/* splitmix64's finalizer: neighbouring values must not land in neighbouring slots. */
-static uint64_t mix(uint64_t key) {
-  key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
-  key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
-  return key ^ (key >> 31);
-}
-
 /* A point's x and y; its z, where there is one, follows from them. */
 static uint64_t get_key(const float *value) {
   uint64_t key;
@@ -78,7 +72,7 @@ static uint64_t get_key(const float *value) {
 static bool add_point(StyPoints *points, uint32_t *slots, size_t mask, const float value[3], uint32_t pixel) {
   const uint64_t key = get_key(value);
   const size_t dims = (size_t)points->measure.dims;
-  size_t slot = (size_t)mix(key) & mask;
+  size_t slot = (size_t)sty_mix_bits(key) & mask;
   while (slots[slot]) {
     if (get_key(points->values + dims * (size_t)(slots[slot] - 1)) == key) return false;
     slot = (slot + 1) & mask;

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/random.h"
 #include "lut/cut.h"
 #include "lut/engine.h"
 
@@ -342,14 +343,6 @@ static int64_t count_cost(Resolve *r) {
 
 /* ---- proposals ---------------------------------------------------------------- */
 
-/* splitmix64: the same numbers everywhere. */
-static uint64_t draw(uint64_t *state) {
-  uint64_t z = *state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
 /* Some texel next to a jump, or -1: there is none. */
 static int choose_seed(Resolve *r, uint64_t *state) {
   const int texels = (int)sty_count_texels(&r->lut->spec);
@@ -363,7 +356,7 @@ static int choose_seed(Resolve *r, uint64_t *state) {
       break;
     }
   }
-  return count ? r->queue[draw(state) % (uint64_t)count] : -1;
+  return count ? r->queue[sty_draw_bits(state) % (uint64_t)count] : -1;
 }
 
 /* Puts the choices into the table; pixels that stayed keep their errors as they are. */

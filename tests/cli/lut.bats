@@ -94,6 +94,9 @@ same_by_angle() {
     accept check t.exr --guide creature.exr --format json --max-excess 5
     expect_less "share of $engine's misses" "$(json - '1 - r.optimal' <<<"$output")" 0.6
   done
+  # FLANN's tuning would take minutes, or for ever.
+  accept guide sphere -s 40 -o many.exr
+  swap 3 creature.exr many.exr lut creature.exr -s 8 -e flann-auto -o out.exr
   accept lut creature.exr -s 64 -e flann-forest --trees 8 --checks 512 -o more.exr
   accept check more.exr --guide creature.exr --format json
   expect_less 'misses with more checks' "$(json - '1 - r.optimal' <<<"$output")" 0.05
@@ -141,6 +144,9 @@ same_by_angle() {
   [ ! -e none.exr ] || complain "none.exr was written"
   prove lut large.exr -s auto --max-p99 4 --frames large.exr large.exr -o framed.exr
   refuse 1 max-p99 lut large.exr -s auto -o none.exr
+  cp large.exr frame.exr
+  refuse 1 frame.exr lut large.exr -s auto --max-p99 4 --frames frame.exr -o frame.exr
+  expect_same large.exr frame.exr
   refuse 1 auto lut large.exr -s 64 --max-p99 1 -o none.exr
   refuse 1 auto lut large.exr -s 64 --map auto -o none.exr
 }
