@@ -22,7 +22,7 @@ typedef struct Arguments {
   const StyEngine *engine;
   StyEngineOptions engine_options;
   int resolve;  /* index of resolve_names */
-  double slack; /* 8-bit levels */
+  double slack; /* 8-bit levels; below 0: not given */
   int encoding; /* a StyEncoding, or -1: by the output's ending */
 } Arguments;
 
@@ -45,14 +45,16 @@ enum { MAP_ANY = -1 };
 /* Among the candidates of --size auto, so many smaller and larger ones are shown. */
 enum { SHOWN = 2 };
 
-static const char *const resolve_names[] = {"nearest", "coherent", NULL};
-enum { RESOLVE_NEAREST, RESOLVE_COHERENT };
+static const char *const resolve_names[] = {"nearest", "coherent", "frames", "both", NULL};
+enum { RESOLVE_NEAREST, RESOLVE_COHERENT, RESOLVE_FRAMES, RESOLVE_BOTH };
+static const double default_slack = 2;
 
 static const struct argp_option options_table[] = {
     {"size", 's', "N|auto", 0,
      "texels a side, or auto: the smallest table that meets --max-p99, encoding included (default: 256)", 0},
     {"max-p99", KEY_MAX_P99, "DEG", 0, "for --size auto: the lookup error that 99 % of the lookups stay within", 0},
-    {"frames", KEY_FRAMES, "FILE...", 0, "for --size auto: guides of real frames, whose lookups count", 0},
+    {"frames", KEY_FRAMES, "FILE...", 0,
+     "guides of real frames: with --size auto their lookups count, with --resolve frames or both they are served", 0},
     {"engine", 'e', "NAME", 0,
      "exact: brute, flann-single, cgal, grid, or auto: the fastest of them; approximate: analytic, flann-forest, "
      "flann-auto (default: auto)",
@@ -69,11 +71,12 @@ static const struct argp_option options_table[] = {
     {"encoding", KEY_ENCODING, "KIND", 0, "f32 (EXR), rg16, rg8x2 or rg8 (PNG) (default: f32 for .exr, rg16 for .png)",
      0},
     {"resolve", KEY_RESOLVE, "KIND", 0,
-     "which of the pixels within the slack: nearest, or coherent: neighbouring texels on neighbouring pixels, so that "
-     "a style doesn't pop when a surface turns (default: nearest)",
+     "which of the pixels within the slack: nearest; coherent: neighbouring texels on neighbouring pixels, so that a "
+     "style doesn't pop when a surface turns; frames: those that make the largest pieces in --frames; or both, weighed "
+     "(default: nearest)",
      0},
     {"slack", KEY_SLACK, "LEVELS", 0,
-     "how much farther than the nearest a coherent choice may be, in 8-bit levels (default: 2)", 0},
+     "how much farther than the nearest such a choice may be, in 8-bit levels (default: 2)", 0},
     {NULL, 0, NULL, 0, "For the approximate engines:", 0},
     {"trees", KEY_TREES, "N", 0, "trees of flann-forest, 1 to 64 (default: 4)", 0},
     {"checks", KEY_CHECKS, "N", 0, "leaves that flann-forest looks at (default: 32)", 0},
@@ -81,17 +84,32 @@ static const struct argp_option options_table[] = {
     {0},
 };
 
+static StyStatus check_resolve(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  const bool serves = arguments->resolve == RESOLVE_FRAMES || arguments->resolve == RESOLVE_BOTH;
+  if (serves && !arguments->frames.count)
+    return sty_fail(error, STY_ERROR_USAGE, "--resolve: found %s without --frames, expected the frames to serve",
+                    resolve_names[arguments->resolve]);
+  if (arguments->frames.count && !serves && arguments->size != 0)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--frames: found with --size %d and --resolve %s, expected auto, frames or "
+                    "both",
+                    arguments->size, resolve_names[arguments->resolve]);
+  if (arguments->slack >= 0 && arguments->resolve == RESOLVE_NEAREST)
+    return sty_fail(error, STY_ERROR_USAGE, "--slack: found with --resolve nearest, expected coherent, frames or both");
+  if (arguments->slack < 0) arguments->slack = default_slack;
+  return STY_OK;
+}
+
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
   if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
     status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
-  if (!status && arguments->size != 0 &&
-      (arguments->max_p99 > 0 || arguments->frames.count || arguments->map == MAP_ANY))
+  if (!status && arguments->size != 0 && (arguments->max_p99 > 0 || arguments->map == MAP_ANY))
     status = sty_fail(error, STY_ERROR_USAGE, "--size: found %d with %s, expected auto", arguments->size,
-                      arguments->max_p99 > 0    ? "--max-p99"
-                      : arguments->frames.count ? "--frames"
-                                                : "--map auto");
+                      arguments->max_p99 > 0 ? "--max-p99" : "--map auto");
+  if (!status) status = check_resolve(arguments);
   if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
   if (!status) status = require_output(&arguments->options);
   if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
@@ -237,6 +255,13 @@ static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyErr
   return status;
 }
 
+/* All that is read. */
+typedef struct Inputs {
+  StyImage *guide;
+  StySites *sites;
+  StyImage *frames[MOST_FRAMES];
+} Inputs;
+
 static const char *name_bytes(size_t bytes, char out[32]) {
   snprintf(out, 32, bytes < 1 << 20 ? "%.1f kB" : "%.1f MB", (double)bytes / (bytes < 1 << 20 ? 1e3 : 1e6));
   return out;
@@ -253,22 +278,17 @@ static void show_candidates(const StyCandidate *candidates, int count, int chose
   }
 }
 
-static StyStatus choose_spec(Arguments *arguments, const StySites *sites, const StyImage *guide, StyLutSpec *spec,
-                             StyError *error) {
-  StyImage *frames[MOST_FRAMES] = {NULL};
+static StyStatus choose_spec(Arguments *arguments, const Inputs *inputs, StyLutSpec *spec, StyError *error) {
   StyCandidate candidates[STY_MOST_CANDIDATES];
   int count = 0, chosen = -1;
-  StyStatus status = read_frames(&arguments->frames, frames, error);
   const StyAuditOptions options = {.weights = arguments->frames.count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC,
-                                   .frames = (const StyImage *const *)frames,
+                                   .frames = (const StyImage *const *)inputs->frames,
                                    .frame_count = arguments->frames.count};
-  if (!status) {
-    const StyRun run = begin_progress(&arguments->options, "choosing");
-    status = sty_choose_size(sites, guide, spec, arguments->map == MAP_ANY, (StyEncoding)arguments->encoding, &options,
-                             arguments->max_p99, &run, candidates, &count, &chosen, error);
-    end_progress(&arguments->options);
-  }
-  destroy_frames(frames);
+  const StyRun run = begin_progress(&arguments->options, "choosing");
+  const StyStatus status =
+      sty_choose_size(inputs->sites, inputs->guide, spec, arguments->map == MAP_ANY, (StyEncoding)arguments->encoding,
+                      &options, arguments->max_p99, &run, candidates, &count, &chosen, error);
+  end_progress(&arguments->options);
   if (status) return status;
   if (chosen < 0) {
     int best = 0;
@@ -286,60 +306,86 @@ static StyStatus choose_spec(Arguments *arguments, const StySites *sites, const 
   return STY_OK;
 }
 
+static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLut *lut, StyError *error) {
+  if (arguments->resolve == RESOLVE_NEAREST) return STY_OK;
+  const bool serves = arguments->resolve != RESOLVE_COHERENT;
+  const StyResolveOptions options = {.slack = arguments->slack * STY_LEVEL,
+                                     .coherent = arguments->resolve != RESOLVE_FRAMES,
+                                     .guide = serves ? inputs->guide : NULL,
+                                     .frames = serves ? (const StyImage *const *)inputs->frames : NULL,
+                                     .frame_count = serves ? arguments->frames.count : 0};
+  const StyRun run = begin_progress(&arguments->options, "resolving");
+  const StyStatus status = sty_resolve_lut(lut, inputs->sites, &options, &run, error);
+  end_progress(&arguments->options);
+  return status;
+}
+
+static StyStatus build(const Arguments *arguments, const Inputs *inputs, const StyLutSpec *spec, StyLut **out,
+                       StyError *error) {
+  const StyRun run = begin_progress(&arguments->options, "searching");
+  StyStatus status =
+      sty_build_lut(inputs->sites, arguments->engine, &arguments->engine_options, spec, &run, out, error);
+  end_progress(&arguments->options);
+  if (!status) status = resolve(arguments, inputs, *out, error);
+  if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
+  return status;
+}
+
+static StyStatus open_inputs(const Arguments *arguments, Inputs *out, Account *account, StyError *error) {
+  const double start = get_milliseconds();
+  StyStatus status = read_guide(arguments->guide, &out->guide, error);
+  if (!status) status = read_frames(&arguments->frames, out->frames, error);
+  const double read = get_milliseconds();
+  if (!status) status = sty_collect_sites(arguments->guide, out->guide, &out->sites, error);
+  account->times[0] = read - start;
+  account->times[1] = get_milliseconds() - read;
+  return status;
+}
+
+static void close_inputs(Inputs *inputs) {
+  sty_destroy_image(&inputs->guide);
+  sty_destroy_sites(&inputs->sites);
+  destroy_frames(inputs->frames);
+}
+
+static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account *account, StyError *error) {
+  StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
+                     arguments->map == MAP_ANY ? STY_MAP_XY : (StyMap)arguments->map, (StyMetric)arguments->metric};
+  StyStatus status = STY_OK;
+  if (arguments->size == 0) status = choose_spec(arguments, inputs, &spec, error);
+  if (status) return status;
+  if (arguments->options.dry_run)
+    return report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s", arguments->size,
+                          arguments->size, inputs->sites->count, arguments->engine->name);
+  StyLut *lut = NULL;
+  const double start = get_milliseconds();
+  status = build(arguments, inputs, &spec, &lut, error);
+  const double built = get_milliseconds();
+  account->times[1] += built - start;
+  if (!status) {
+    account->points = inputs->sites->count;
+    account->unique = lut->unique;
+    measure_errors(lut, account);
+    status = write_lut(arguments, lut, error);
+    account->times[2] = get_milliseconds() - built;
+  }
+  sty_destroy_lut(&lut);
+  return status ? status : print_report(arguments, account, error);
+}
+
 static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   Account account = {0};
-  StyImage *guide = NULL;
-  StySites *sites = NULL;
-  StyLut *lut = NULL;
-  const double start = get_milliseconds();
-  StyStatus status = read_guide(arguments->guide, &guide, error);
-  const double read = get_milliseconds();
-  double collecting = get_milliseconds();
-  if (!status) status = sty_collect_sites(arguments->guide, guide, &sites, error);
-  collecting = get_milliseconds() - collecting;
-  StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
-                     arguments->map == MAP_ANY ? STY_MAP_XY : (StyMap)arguments->map, (StyMetric)arguments->metric};
-  if (!status && arguments->size == 0) status = choose_spec(arguments, sites, guide, &spec, error);
-  sty_destroy_image(&guide);
-  if (!status && arguments->options.dry_run) {
-    status = report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s", arguments->size,
-                            arguments->size, sites->count, arguments->engine->name);
-    sty_destroy_sites(&sites);
-    return status;
-  }
-  const double start_build = get_milliseconds();
-  if (!status) {
-    const StyRun job = begin_progress(&arguments->options, "searching");
-    status = sty_build_lut(sites, arguments->engine, &arguments->engine_options, &spec, &job, &lut, error);
-    end_progress(&arguments->options);
-    if (!status && arguments->resolve == RESOLVE_COHERENT) {
-      const StyRun choice = begin_progress(&arguments->options, "resolving");
-      status = sty_resolve_coherent(lut, sites, arguments->slack * STY_LEVEL, &choice, error);
-      end_progress(&arguments->options);
-    }
-    if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
-  }
-  const double built = get_milliseconds() - start_build;
-  if (!status) {
-    account.points = sites->count;
-    account.unique = lut->unique;
-    measure_errors(lut, &account);
-    const double before = get_milliseconds();
-    status = write_lut(arguments, lut, error);
-    account.times[0] = read - start;
-    account.times[1] = collecting + built;
-    account.times[2] = get_milliseconds() - before;
-  }
-  sty_destroy_sites(&sites);
-  sty_destroy_lut(&lut);
-  if (!status) status = print_report(arguments, &account, error);
+  Inputs inputs = {0};
+  StyStatus status = open_inputs(arguments, &inputs, &account, error);
+  if (!status) status = make_table(arguments, &inputs, &account, error);
+  close_inputs(&inputs);
   return status;
 }
 
 StyStatus run_lut(int argc, char **argv) {
   Arguments arguments = {
-      .size = 256, .engine_name = "auto", .engine_options = sty_default_engine_options, .slack = 2, .encoding = -1};
+      .size = 256, .engine_name = "auto", .engine_options = sty_default_engine_options, .slack = -1, .encoding = -1};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

@@ -130,12 +130,24 @@ StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **
 StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
                         const StyLutSpec *spec, const StyRun *run, StyLut **out, StyError *error);
 
-/* Replaces, within `slack` (0 or more, guide units) above the least distance of
- * each texel, source pixels of an exact table of these sites by others, so that
- * neighbouring texels have neighbouring pixels wherever possible (a pair farther
- * apart than 4 * longer side of the source / longer side of the table is a jump).
- * Deterministic. A table without jumps is left as it is. */
-StyStatus sty_resolve_coherent(StyLut *lut, const StySites *sites, double slack, const StyRun *run, StyError *error);
+/* What rules the choice among the source pixels of nearly equal distance. */
+typedef struct StyResolveOptions {
+  double slack;  /* guide units, 0 or more, above the least distance of each texel */
+  bool coherent; /* neighbouring texels on neighbouring pixels: a pair farther apart than 4 * longer side of the
+                    source / longer side of the table is a jump */
+  /* Guides of frames (A, normal.*): the pixels around which the runtime, with its
+   * default threshold, copies the largest pieces into such frames. Together with
+   * `coherent` the two are weighed. Both NULL and 0 without frames. */
+  const StyImage *guide; /* the table's own, with normal.Z */
+  const StyImage *const *frames;
+  int frame_count;
+} StyResolveOptions;
+
+/* Replaces source pixels of an exact table of these sites by others within the
+ * slack. Deterministic. A table without jumps is left as it is by `coherent`.
+ * STY_ERROR_INPUT: a guide without the channels. */
+StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOptions *options, const StyRun *run,
+                          StyError *error);
 
 /* What an engine answers to one guide value, wherever the texels of tables stand:
  * the source pixel, by the tie rule for exact engines, and its distance by the

@@ -40,10 +40,11 @@ static StyImage *make_noise(int width, int height, int values, uint64_t *random)
 
 typedef struct Tables {
   StySites *sites;
-  StyLut *nearest, *coherent;
+  StyLut *nearest, *coherent; /* the latter resolved, one way or another */
 } Tables;
 
-static Tables build(const StyImage *guide, StyLutSpec spec, double slack) {
+/* With other choices than coherent where `options` say so. */
+static Tables build_with(const StyImage *guide, StyLutSpec spec, const StyResolveOptions *options, const StyRun *run) {
   Tables t = {0};
   const StyEngine *engine = NULL;
   StyError error = {STY_OK, ""};
@@ -51,8 +52,12 @@ static Tables build(const StyImage *guide, StyLutSpec spec, double slack) {
   assert_int_equal(sty_collect_sites("guide", guide, &t.sites, NULL), STY_OK);
   assert_int_equal(sty_build_lut(t.sites, engine, NULL, &spec, NULL, &t.nearest, NULL), STY_OK);
   assert_int_equal(sty_build_lut(t.sites, engine, NULL, &spec, NULL, &t.coherent, NULL), STY_OK);
-  if (sty_resolve_coherent(t.coherent, t.sites, slack, NULL, &error) != STY_OK) fail_msg("%s", error.text);
+  if (sty_resolve_lut(t.coherent, t.sites, options, run, &error) != STY_OK) fail_msg("%s", error.text);
   return t;
+}
+
+static Tables build(const StyImage *guide, StyLutSpec spec, double slack) {
+  return build_with(guide, spec, &(StyResolveOptions){.slack = slack, .coherent = true}, NULL);
 }
 
 static void destroy(Tables *t) {
@@ -157,12 +162,141 @@ static void test_calms(void **state) {
   sty_destroy_image(&guide);
 }
 
+/* ---- frames -------------------------------------------------------------------- */
+
+/* Two spheres side by side; of the left one every second pixel of each row is
+ * swapped with its neighbour, so that it has the same values in shattered
+ * surroundings. With z, as frames and their guide need. */
+static StyImage *make_shattered_and_whole(int side) {
+  static const char *const names[] = {"A", "normal.X", "normal.Y", "normal.Z"};
+  StyImage *sphere = make_sphere(side), *row = NULL;
+  assert_int_equal(sty_create_image(side * 2, side, 4, names, 32, &row, NULL), STY_OK);
+  for (int c = 0; c < 4; c++) {
+    const float *from = sty_find_channel(sphere, names[c]);
+    float *to = sty_find_channel(row, names[c]);
+    for (int y = 0; y < side; y++)
+      for (int x = 0; x < side; x++) {
+        const int far = (x + side / 2) % side; /* half a sphere away */
+        to[y * side * 2 + x] = from[y * side + (x % 2 ? far : x)];
+        to[y * side * 2 + side + x] = from[y * side + x];
+      }
+  }
+  sty_destroy_image(&sphere);
+  return row;
+}
+
+/* Share of the feasible texels inside radius 0.9 that use the right half of the source. */
+static double count_right(const StyLut *lut) {
+  int count = 0, right = 0;
+  for (int t = 0; t < (int)sty_count_texels(&lut->spec); t++) {
+    float g[2];
+    sty_get_texel_value(&lut->spec, t % lut->spec.width, t / lut->spec.width, g);
+    if (hypot((double)g[0], (double)g[1]) > 0.9) continue;
+    count++;
+    right += (int)lut->pixels[t] % lut->source_width >= lut->source_width / 2;
+  }
+  return (double)right / count;
+}
+
+/* Pieces of a whole sphere can only be had from the whole sphere. */
+static void test_frames_choose_the_whole(void **state) {
+  (void)state;
+  StyImage *guide = make_shattered_and_whole(96), *frame = make_sphere(200);
+  const StyLutSpec spec = {.width = 64, .height = 64};
+  for (int coherent = 0; coherent < 2; coherent++) {
+    const StyResolveOptions options = {2 * STY_LEVEL, coherent, guide, (const StyImage *const *)&frame, 1};
+    Tables t = build_with(guide, spec, &options, NULL);
+    assert_true(count_right(t.nearest) < 0.6);
+    const double right = count_right(t.coherent);
+    if (!(right > 0.98)) fail_msg("coherent %d: %g of the texels on the whole sphere", coherent, right);
+    expect_within_slack(&t, guide, 2 * STY_LEVEL);
+    destroy(&t);
+  }
+  sty_destroy_image(&guide);
+  sty_destroy_image(&frame);
+}
+
+/* A frame that shows only the right half of the directions serves no others. */
+static void test_frames_leave_what_nobody_asks(void **state) {
+  (void)state;
+  StyImage *guide = make_shattered_and_whole(96), *frame = make_sphere(200);
+  float *covered = sty_find_channel(frame, "A");
+  for (int p = 0; p < 200 * 200; p++)
+    if (p % 200 < 120) covered[p] = 0;
+  const StyResolveOptions options = {2 * STY_LEVEL, false, guide, (const StyImage *const *)&frame, 1};
+  Tables t = build_with(guide, (StyLutSpec){.width = 64, .height = 64}, &options, NULL);
+  int changed = 0;
+  for (int texel = 0; texel < 64 * 64; texel++) {
+    if (t.coherent->pixels[texel] == t.nearest->pixels[texel]) continue;
+    changed++;
+    assert_true(texel % 64 > 32);
+  }
+  assert_true(changed > 100);
+  destroy(&t);
+  sty_destroy_image(&guide);
+  sty_destroy_image(&frame);
+}
+
+static void test_frames_noise(void **state) {
+  (void)state;
+  static const char *const names[] = {"A", "normal.X", "normal.Y", "normal.Z"};
+  uint64_t random = 11;
+  for (int trial = 0; trial < 30; trial++) {
+    StyImage *guides[3]; /* the table's, two frames */
+    for (int k = 0; k < 3; k++) {
+      const int width = 1 + draw_below(&random, 60), height = 1 + draw_below(&random, 60);
+      StyImage *flat = make_noise(width, height, 2 + draw_below(&random, 30), &random);
+      assert_int_equal(sty_create_image(width, height, 4, names, 32, &guides[k], NULL), STY_OK);
+      memcpy(guides[k]->data, flat->data, (size_t)(width * height) * 3 * sizeof(float));
+      sty_destroy_image(&flat);
+    }
+    const double slack = draw_below(&random, 40) * STY_LEVEL;
+    const StyLutSpec spec = {1 + draw_below(&random, 40), 1 + draw_below(&random, 40), STY_SAMPLE_CENTRE,
+                             (StyMap)draw_below(&random, 2), (StyMetric)draw_below(&random, 2)};
+    const StyResolveOptions options = {slack, trial % 2, guides[0], (const StyImage *const *)guides + 1, 2};
+    Tables t = build_with(guides[0], spec, &options, &(StyRun){.threads = 1});
+    expect_within_slack(&t, guides[0], slack);
+    Tables again = build_with(guides[0], spec, &options, &(StyRun){.threads = 3});
+    assert_memory_equal(t.coherent->pixels, again.coherent->pixels, sty_count_texels(&spec) * 4);
+    assert_memory_equal(t.coherent->errors, again.coherent->errors, sty_count_texels(&spec) * 4);
+    destroy(&t);
+    destroy(&again);
+    for (int k = 0; k < 3; k++) sty_destroy_image(&guides[k]);
+  }
+}
+
+static void test_frames_without_normals(void **state) {
+  (void)state;
+  StyImage *guide = make_shattered_and_whole(32), *frame = NULL;
+  static const char *const names[] = {"A", "depth.Z"};
+  assert_int_equal(sty_create_image(8, 8, 2, names, 32, &frame, NULL), STY_OK);
+  const StyEngine *engine = NULL;
+  StySites *sites = NULL;
+  StyLut *lut = NULL;
+  StyError error;
+  assert_int_equal(sty_find_engine("-e", "auto", &engine, NULL), STY_OK);
+  assert_int_equal(sty_collect_sites("guide", guide, &sites, NULL), STY_OK);
+  const StyLutSpec spec = {.width = 16, .height = 16};
+  assert_int_equal(sty_build_lut(sites, engine, NULL, &spec, NULL, &lut, NULL), STY_OK);
+  const StyResolveOptions options = {STY_LEVEL, false, guide, (const StyImage *const *)&frame, 1};
+  assert_int_equal(sty_resolve_lut(lut, sites, &options, NULL, &error), STY_ERROR_INPUT);
+  assert_non_null(strstr(error.text, "expected channels A, normal."));
+  sty_destroy_lut(&lut);
+  sty_destroy_sites(&sites);
+  sty_destroy_image(&guide);
+  sty_destroy_image(&frame);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sphere_stays),
       cmocka_unit_test(test_copies),
       cmocka_unit_test(test_noise),
       cmocka_unit_test(test_calms),
+      cmocka_unit_test(test_frames_choose_the_whole),
+      cmocka_unit_test(test_frames_leave_what_nobody_asks),
+      cmocka_unit_test(test_frames_noise),
+      cmocka_unit_test(test_frames_without_normals),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

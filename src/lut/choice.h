@@ -1,0 +1,42 @@
+/* What the texels of a table choose from: the source pixels within the slack of
+ * the nearest, and with frames how well each would serve them. */
+#ifndef STYLUT_SRC_LUT_CHOICE_H
+#define STYLUT_SRC_LUT_CHOICE_H
+
+#include "lut/engine.h"
+#include "lut/serve.h"
+
+/* Source pixels are packed: y above, x below, 16 bits each. */
+static const uint32_t sty_no_pixel = UINT32_MAX; /* no picture has that many pixels */
+
+static inline uint32_t sty_pack_pixel(int x, int y) { return (uint32_t)y << 16 | (uint32_t)x; }
+static inline int sty_get_x(uint32_t packed) { return (int)(packed & 0xffff); }
+static inline int sty_get_y(uint32_t packed) { return (int)(packed >> 16); }
+
+/* The four neighbours of a texel; the first two name each pair once. */
+static const int sty_steps[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+
+typedef struct StyChoice {
+  StyLut *lut;
+  int dims;
+  float *values[3];  /* planes of the source pixels, in the metric's space; NAN where uncovered */
+  float *places;     /* dims per texel */
+  float *limits;     /* per texel: the largest squared distance allowed */
+  uint8_t *live;     /* per texel: whether it takes part */
+  uint32_t *current; /* per texel: its source pixel, packed */
+  /* With frames, else NULL: */
+  const StyServe *serve;
+  uint32_t *favourites; /* per texel: the source pixel that serves them best */
+  float *services;      /* per texel: how well */
+} StyChoice;
+
+/* Squared distance of a pixel from a texel's place, by the metric. */
+float sty_measure_option(const StyChoice *choice, int texel, uint32_t pixel);
+
+/* The same for `count` pixels of a row, from pixel number `begin`. */
+void sty_measure_row(const StyChoice *choice, int texel, size_t begin, int count, float *out);
+
+/* Makes choices coherent (see coherent.c). */
+StyStatus sty_make_coherent(StyChoice *choice, const StyRun *run, StyError *error);
+
+#endif

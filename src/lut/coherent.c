@@ -1,0 +1,322 @@
+/* The coherent choice.
+ *
+ * Where a guide shows the same value in many places, the exact nearest neighbour
+ * scatters: neighbouring texels land on source pixels far apart, and a style
+ * drawn through such a table pops when a surface turns. Within the slack there
+ * is usually a pixel near the neighbours' pixels. The coherent choice minimizes
+ *   sum over neighbouring texels: much for a jump, a little for a shorter way
+ *   + a little per texel for what its pixel is farther than the nearest
+ *   + with frames, something per texel for what its pixel serves them worse
+ *     than the one that serves them best,
+ * by fusion moves (Lempitsky, Rother, Roth, Blake, "Fusion Moves for Markov
+ * Random Field Optimization", 2010): a proposal is a smooth patch grown over the
+ * table from one texel and its pixel, as far as the slack lets the source's
+ * surface be followed; a minimum cut takes over of it what makes the sum less. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/random.h"
+#include "lut/choice.h"
+#include "lut/cut.h"
+
+/* What the sum counts, in integers, so that it is the same everywhere: a jump; a
+ * way almost as far; a texel at the full slack; a texel that doesn't serve frames
+ * at all. STEP_COST and SLACK_COST are tuned on what moves between frames of a
+ * turning figure: with STEP_COST 150 a quarter more does, with SLACK_COST 200 an
+ * eighth. */
+enum { JUMP_COST = 1000, STEP_COST = 400, SLACK_COST = 60, SERVICE_COST = 1000 };
+
+/* Proposals: so many at most; and no more once a round of them took off less than
+ * the 1/LEAST_GAIN-th part of the sum. */
+enum { MOST_PROPOSALS = 96, ROUND = 6, LEAST_GAIN = 20 };
+
+enum { MOST_REACH = 16 };
+
+typedef struct Fusion {
+  StyChoice *choice;
+  int jump, reach;       /* pixels: what is a jump; how far from a neighbour's pixel a patch looks for its next */
+  int32_t *ways;         /* what a way costs, by its length in pixels along x plus along y: 2 * jump and 0 */
+  uint32_t *proposal;    /* per texel: a packed source pixel, or none */
+  int32_t *own;          /* per texel: what its current pixel costs by itself */
+  int32_t *proposed_own; /* per node: what the proposed one would */
+  int *queue;            /* texels in the order a patch took them */
+  int *node;             /* per texel: its node in the cut, or -1 */
+  StyCut cut;
+} Fusion;
+
+/* ---- costs ----------------------------------------------------------------------- */
+
+static bool is_jump(const Fusion *f, uint32_t p, uint32_t q) {
+  const int dx = sty_get_x(p) - sty_get_x(q), dy = sty_get_y(p) - sty_get_y(q);
+  return dx * dx + dy * dy > f->jump * f->jump;
+}
+
+/* The neighbour of a texel in direction s that takes part, or -1. */
+static int get_neighbour(const Fusion *f, int texel, int s) {
+  const StyLutSpec *spec = &f->choice->lut->spec;
+  const int x = texel % spec->width + sty_steps[s][0], y = texel / spec->width + sty_steps[s][1];
+  if (x < 0 || y < 0 || x >= spec->width || y >= spec->height) return -1;
+  return f->choice->live[y * spec->width + x] ? y * spec->width + x : -1;
+}
+
+/* For two neighbouring texels' pixels: a jump, or the way from one to the other. */
+static int32_t get_pair_cost(const Fusion *f, uint32_t p, uint32_t q) {
+  if (is_jump(f, p, q)) return JUMP_COST;
+  return f->ways[abs(sty_get_x(p) - sty_get_x(q)) + abs(sty_get_y(p) - sty_get_y(q))];
+}
+
+/* For a pixel farther than the nearest; `squared` is its distance. */
+static int32_t get_excess_cost(const Fusion *f, int texel, float squared) {
+  const float least = f->choice->lut->errors[texel] * f->choice->lut->errors[texel];
+  const float share = (squared - least) / (f->choice->limits[texel] - least);
+  return share > 0 ? (int32_t)(SLACK_COST * share + 0.5f) : 0;
+}
+
+/* For a pixel that serves frames worse than the best. */
+static int32_t get_service_cost(const Fusion *f, int texel, uint32_t pixel) {
+  const StyChoice *choice = f->choice;
+  if (!choice->serve || !(choice->services[texel] > 0)) return 0;
+  const float service = sty_measure_service(choice->serve, (size_t)texel, sty_get_x(pixel), sty_get_y(pixel));
+  const float share = 1 - service / choice->services[texel];
+  return share > 0 ? (int32_t)(SERVICE_COST * share + 0.5f) : 0;
+}
+
+static int32_t get_own_cost(const Fusion *f, int texel, uint32_t pixel) {
+  return get_excess_cost(f, texel, sty_measure_option(f->choice, texel, pixel)) + get_service_cost(f, texel, pixel);
+}
+
+/* ---- growing a patch ---------------------------------------------------------- */
+
+/* Source pixels that a texel's neighbours in the patch have. */
+typedef struct Around {
+  uint32_t pixels[4];
+  int count;
+} Around;
+
+static Around look_around(const Fusion *f, int texel) {
+  Around around = {.count = 0};
+  for (int s = 0; s < 4; s++) {
+    const int other = get_neighbour(f, texel, s);
+    if (other >= 0 && f->proposal[other] != sty_no_pixel) around.pixels[around.count++] = f->proposal[other];
+  }
+  return around;
+}
+
+/* What a pixel costs toward them; JUMP_COST or more when it is a jump from any. */
+static int32_t get_around_cost(const Fusion *f, const Around *around, uint32_t pixel) {
+  int32_t sum = 0;
+  for (int n = 0; n < around->count && sum < JUMP_COST; n++) sum += get_pair_cost(f, around->pixels[n], pixel);
+  return sum;
+}
+
+/* The cheapest allowed pixel around `from` that is no jump from any neighbour's, or `sty_no_pixel`. */
+static uint32_t continue_patch(const Fusion *f, int texel, uint32_t from) {
+  const int width = f->choice->lut->source_width, height = f->choice->lut->source_height;
+  const int left = sty_get_x(from) > f->reach ? sty_get_x(from) - f->reach : 0;
+  const int top = sty_get_y(from) > f->reach ? sty_get_y(from) - f->reach : 0;
+  const int right = sty_get_x(from) + f->reach < width ? sty_get_x(from) + f->reach + 1 : width;
+  const int bottom = sty_get_y(from) + f->reach < height ? sty_get_y(from) + f->reach + 1 : height;
+  const Around around = look_around(f, texel);
+  uint32_t best = sty_no_pixel;
+  int32_t least = INT32_MAX;
+  float distances[2 * MOST_REACH + 1];
+  for (int y = top; y < bottom; y++) {
+    sty_measure_row(f->choice, texel, (size_t)y * (size_t)width + (size_t)left, right - left, distances);
+    for (int x = left; x < right; x++) {
+      if (!(distances[x - left] <= f->choice->limits[texel])) continue;
+      const int32_t own = get_excess_cost(f, texel, distances[x - left]);
+      if (own >= least) continue;
+      const int32_t toward = get_around_cost(f, &around, sty_pack_pixel(x, y));
+      if (toward >= JUMP_COST || own + toward >= least) continue;
+      least = own + toward;
+      best = sty_pack_pixel(x, y);
+    }
+  }
+  return best;
+}
+
+/* Follows the source's surface over the table, texel by texel; how many it took. */
+static int grow_patch(Fusion *f, int texel) {
+  memset(f->proposal, 0xff, sty_count_texels(&f->choice->lut->spec) * sizeof *f->proposal);
+  int count = 0;
+  f->queue[count++] = texel;
+  f->proposal[texel] = f->choice->current[texel];
+  for (int q = 0; q < count; q++)
+    for (int s = 0; s < 4; s++) {
+      const int other = get_neighbour(f, f->queue[q], s);
+      if (other < 0 || f->proposal[other] != sty_no_pixel) continue;
+      f->proposal[other] = continue_patch(f, other, f->proposal[f->queue[q]]);
+      if (f->proposal[other] != sty_no_pixel) f->queue[count++] = other;
+    }
+  return count;
+}
+
+/* ---- fusing ------------------------------------------------------------------- */
+
+/* Costs of one texel for itself and toward neighbours that don't change. */
+static void add_own_costs(Fusion *f, int texel, int32_t proposed_own) {
+  const uint32_t current = f->choice->current[texel], proposed = f->proposal[texel];
+  int32_t keep = f->own[texel], take = proposed_own;
+  for (int s = 0; s < 4; s++) {
+    const int other = get_neighbour(f, texel, s);
+    if (other < 0 || f->node[other] >= 0) continue;
+    keep += get_pair_cost(f, current, f->choice->current[other]);
+    take += get_pair_cost(f, proposed, f->choice->current[other]);
+  }
+  sty_add_cut_costs(&f->cut, f->node[texel], keep, take);
+}
+
+/* Costs of two neighbours that may both change; a cut can't say them all where
+ * both mixed choices are cheap, and then takes them for dearer than they are. */
+static void add_pair_costs(Fusion *f, int a, int b) {
+  const uint32_t a0 = f->choice->current[a], b0 = f->choice->current[b], a1 = f->proposal[a], b1 = f->proposal[b];
+  const int32_t neither = get_pair_cost(f, a0, b0), both = get_pair_cost(f, a1, b1);
+  const int32_t only_a = get_pair_cost(f, a1, b0);
+  int32_t only_b = get_pair_cost(f, a0, b1);
+  if (neither + both > only_a + only_b) only_b = neither + both - only_a;
+  /* = neither + (only_a - neither) [a] + (both - only_a) [b] + (only_a + only_b - neither - both) [b and not a] */
+  sty_add_cut_costs(&f->cut, f->node[a], neither, only_a);
+  sty_add_cut_costs(&f->cut, f->node[b], 0, both - only_a);
+  const int32_t mixed = only_a + only_b - neither - both;
+  if (mixed > 0) sty_add_cut_edge(&f->cut, f->node[a], f->node[b], mixed);
+}
+
+/* Gives a node to each queued texel whose proposal is another pixel and moves
+ * them to the front of the queue; how many. */
+static int number_changes(Fusion *f, int count) {
+  int changes = 0;
+  for (int q = 0; q < count; q++) {
+    const int texel = f->queue[q];
+    if (f->proposal[texel] == f->choice->current[texel]) continue;
+    f->queue[changes] = texel;
+    f->node[texel] = changes++;
+  }
+  return changes;
+}
+
+/* Takes over, of the proposal for the `count` queued texels, what pays. */
+static void fuse_proposal(Fusion *f, int count) {
+  const int changes = number_changes(f, count);
+  if (!changes) return;
+  sty_reset_cut(&f->cut, changes);
+  for (int n = 0; n < changes; n++) {
+    const int texel = f->queue[n];
+    f->proposed_own[n] = get_own_cost(f, texel, f->proposal[texel]);
+    add_own_costs(f, texel, f->proposed_own[n]);
+    for (int s = 0; s < 2; s++) {
+      const int other = get_neighbour(f, texel, s);
+      if (other >= 0 && f->node[other] >= 0) add_pair_costs(f, texel, other);
+    }
+  }
+  sty_solve_cut(&f->cut);
+  for (int n = 0; n < changes; n++) {
+    const int texel = f->queue[n];
+    f->node[texel] = -1;
+    if (!sty_is_on_sink_side(&f->cut, n)) continue;
+    f->choice->current[texel] = f->proposal[texel];
+    f->own[texel] = f->proposed_own[n];
+  }
+}
+
+/* The whole sum. */
+static int64_t count_cost(const Fusion *f) {
+  int64_t total = 0;
+  for (int t = 0; t < (int)sty_count_texels(&f->choice->lut->spec); t++) {
+    if (!f->choice->live[t]) continue;
+    total += f->own[t];
+    for (int s = 0; s < 2; s++) {
+      const int other = get_neighbour(f, t, s);
+      if (other >= 0) total += get_pair_cost(f, f->choice->current[t], f->choice->current[other]);
+    }
+  }
+  return total;
+}
+
+/* ---- proposals ---------------------------------------------------------------- */
+
+/* Some texel next to a jump, or -1: there is none. */
+static int choose_seed(Fusion *f, uint64_t *state) {
+  const int texels = (int)sty_count_texels(&f->choice->lut->spec);
+  int count = 0;
+  for (int t = 0; t < texels; t++) {
+    if (!f->choice->live[t]) continue;
+    for (int s = 0; s < 4; s++) {
+      const int other = get_neighbour(f, t, s);
+      if (other < 0 || !is_jump(f, f->choice->current[t], f->choice->current[other])) continue;
+      f->queue[count++] = t;
+      break;
+    }
+  }
+  return count ? f->queue[sty_draw_bits(state) % (uint64_t)count] : -1;
+}
+
+/* What serves frames best, everywhere at once; how many texels it is for. */
+static int propose_favourites(Fusion *f) {
+  int count = 0;
+  for (int t = 0; t < (int)sty_count_texels(&f->choice->lut->spec); t++)
+    if (f->choice->live[t]) {
+      f->proposal[t] = f->choice->favourites[t];
+      f->queue[count++] = t;
+    }
+  return count;
+}
+
+/* ---- the whole ---------------------------------------------------------------- */
+
+static void close_fusion(Fusion *f) {
+  free(f->ways);
+  free(f->proposal);
+  free(f->own);
+  free(f->proposed_own);
+  free(f->queue);
+  free(f->node);
+  sty_close_cut(&f->cut);
+}
+
+static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
+  const StyLut *lut = choice->lut;
+  const size_t texels = sty_count_texels(&lut->spec);
+  const int source = lut->source_width > lut->source_height ? lut->source_width : lut->source_height;
+  const int table = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
+  *f = (Fusion){.choice = choice, .jump = 4 * source > table ? 4 * source / table : 1};
+  f->reach = f->jump / 2 < 1 ? 1 : f->jump / 2 > MOST_REACH ? MOST_REACH : f->jump / 2;
+  f->ways = malloc((2 * (size_t)f->jump + 1) * sizeof *f->ways);
+  f->proposal = malloc(texels * sizeof *f->proposal);
+  f->own = calloc(texels, sizeof *f->own);
+  f->proposed_own = malloc(texels * sizeof *f->proposed_own);
+  f->queue = malloc(texels * sizeof *f->queue);
+  f->node = malloc(texels * sizeof *f->node);
+  if (!f->ways || !f->proposal || !f->own || !f->proposed_own || !f->queue || !f->node ||
+      !sty_open_cut((int)texels, 2 * (int)texels, &f->cut)) {
+    close_fusion(f);
+    return sty_fail_memory(error, "coherent LUT", (double)texels * 115);
+  }
+  for (int length = 0; length <= 2 * f->jump; length++) f->ways[length] = STEP_COST * length / f->jump;
+  for (size_t t = 0; t < texels; t++) {
+    f->node[t] = -1;
+    if (choice->live[t]) f->own[t] = get_own_cost(f, (int)t, choice->current[t]);
+  }
+  return STY_OK;
+}
+
+StyStatus sty_make_coherent(StyChoice *choice, const StyRun *run, StyError *error) {
+  Fusion f;
+  const StyStatus status = open_fusion(choice, &f, error);
+  if (status) return status;
+  if (choice->serve) fuse_proposal(&f, propose_favourites(&f));
+  uint64_t state = 1;
+  int64_t cost = count_cost(&f);
+  for (int proposal = 0; proposal < MOST_PROPOSALS; proposal++) {
+    const int seed = choose_seed(&f, &state);
+    if (seed < 0) break;
+    fuse_proposal(&f, grow_patch(&f, seed));
+    if (run && run->progress) run->progress(run->context, (proposal + 1.0) / MOST_PROPOSALS);
+    if ((proposal + 1) % ROUND) continue;
+    const int64_t before = cost;
+    cost = count_cost(&f);
+    if ((before - cost) * LEAST_GAIN < cost) break;
+  }
+  close_fusion(&f);
+  return STY_OK;
+}

@@ -1,0 +1,179 @@
+#include "lut/choice.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Pieces are measured along four rays, at these distances: the runtime's largest
+ * cells reach about as far. Each asker turns the rays by one of so many angles.
+ * Twelve steps along sixteen rays cost eleven times the comparisons and made the
+ * pieces no larger. */
+enum { RAYS = 4, STEPS = 4, FARTHEST = 40, TURNS = 4, MARGIN = FARTHEST + 1 };
+static const int distances[STEPS] = {4, 10, 20, FARTHEST};
+
+/* A piece ends where guides differ by this much: the runtime's own default. */
+enum { THRESHOLD = 24 };
+
+/* Texels that no frame asks for borrow from those so near that ask. */
+enum { MOST_BORROWED = 4 };
+
+/* ---- patches ------------------------------------------------------------------ */
+
+static uint8_t get_byte(float n) {
+  const float byte = (n * 0.5f + 0.5f) * 255 + 0.5f;
+  return byte > 0 ? byte < 255 ? (uint8_t)byte : 255 : 0;
+}
+
+static void set_offsets(StyPatch *patch) {
+  for (int turn = 0; turn < TURNS; turn++)
+    for (int ray = 0; ray < RAYS; ray++)
+      for (int step = 0; step < STEPS; step++) {
+        const double angle = 2 * M_PI * (ray * TURNS + turn) / (RAYS * TURNS);
+        /* No product lies near a half, so this is the same everywhere. */
+        const int dx = (int)lround(distances[step] * cos(angle)), dy = (int)lround(distances[step] * sin(angle));
+        patch->offsets[turn][ray][step] = dy * patch->pitch + dx;
+      }
+}
+
+static void free_patch(StyPatch *patch) { free(patch->block); }
+
+/* Uncovered pixels hold `nothing` in all three bytes: 0 in frames and 255 in
+ * sources, so that they agree with nothing, each other included. */
+static StyStatus open_patch(const StyImage *guide, int nothing, StyPatch *out, StyError *error) {
+  const float *covered = sty_find_channel(guide, "A");
+  const float *normal[3] = {sty_find_channel(guide, "normal.X"), sty_find_channel(guide, "normal.Y"),
+                            sty_find_channel(guide, "normal.Z")};
+  if (!covered || !normal[0] || !normal[1] || !normal[2])
+    return sty_fail(error, STY_ERROR_INPUT, "frames: found a guide without normals, expected channels A, normal.*");
+  StyPatch patch = {.width = guide->width, .height = guide->height, .pitch = guide->width + 2 * MARGIN};
+  const size_t pitch = (size_t)patch.pitch, size = pitch * (size_t)(guide->height + 2 * MARGIN);
+  patch.block = malloc(size * sizeof *patch.block);
+  if (!patch.block) return sty_fail_memory(error, "frames", (double)size * 4);
+  memset(patch.block, nothing, size * sizeof *patch.block);
+  patch.bytes = patch.block + MARGIN * pitch + MARGIN;
+  for (size_t y = 0; y < (size_t)guide->height; y++)
+    for (size_t x = 0; x < (size_t)guide->width; x++) {
+      const size_t p = y * (size_t)guide->width + x;
+      if (covered[p] > 0)
+        for (int k = 0; k < 3; k++) patch.bytes[y * pitch + x][k] = get_byte(normal[k][p]);
+    }
+  set_offsets(&patch);
+  *out = patch;
+  return STY_OK;
+}
+
+/* ---- who asks ----------------------------------------------------------------- */
+
+/* Counts, then takes evenly spaced ones of them. */
+static StyStatus find_askers(const StyLut *lut, const StyImage *const *frames, StyServe *serve, StyError *error) {
+  const size_t texels = sty_count_texels(&lut->spec);
+  uint32_t *count = calloc(2 * texels, sizeof *count), *seen = count + texels;
+  if (!count) return sty_fail_memory(error, "frames", (double)texels * 8);
+  for (int pass = 0; pass < 2; pass++)
+    for (int f = 0; f < serve->frame_count; f++) {
+      const StyImage *frame = frames[f];
+      const float *covered = sty_find_channel(frame, "A");
+      const float *gx = sty_find_channel(frame, "normal.X"), *gy = sty_find_channel(frame, "normal.Y");
+      for (int y = 0; y < frame->height; y++)
+        for (int x = 0; x < frame->width; x++) {
+          const size_t p = (size_t)y * (size_t)frame->width + (size_t)x;
+          if (!(covered[p] > 0)) continue;
+          int t[2];
+          sty_find_texel(&lut->spec, (const float[2]){gx[p], gy[p]}, t);
+          const size_t texel = (size_t)t[1] * (size_t)lut->spec.width + (size_t)t[0];
+          if (pass == 0) {
+            count[texel]++;
+            continue;
+          }
+          const uint64_t most = count[texel] < STY_MOST_ASKERS ? count[texel] : STY_MOST_ASKERS;
+          const uint64_t slot = seen[texel]++ * most / count[texel];
+          if (serve->askers[texel][slot].frame < 0) serve->askers[texel][slot] = (StyAsker){f, x, y};
+        }
+    }
+  free(count);
+  return STY_OK;
+}
+
+/* One texel's width outward at a time. */
+static StyStatus lend_askers(const StyLut *lut, StyServe *serve, StyError *error) {
+  const int width = lut->spec.width, height = lut->spec.height;
+  const size_t texels = sty_count_texels(&lut->spec);
+  uint8_t *round = calloc(texels, 1); /* in which one a texel got its askers */
+  if (!round) return sty_fail_memory(error, "frames", (double)texels);
+  for (int r = 1; r <= MOST_BORROWED; r++)
+    for (int j = 0; j < height; j++)
+      for (int i = 0; i < width; i++) {
+        const size_t texel = (size_t)j * (size_t)width + (size_t)i;
+        if (sty_has_askers(serve, texel)) continue;
+        for (int s = 0; s < 4; s++) {
+          const int x = i + sty_steps[s][0], y = j + sty_steps[s][1];
+          if (x < 0 || y < 0 || x >= width || y >= height) continue;
+          const size_t other = (size_t)y * (size_t)width + (size_t)x;
+          if (!sty_has_askers(serve, other) || round[other] >= r) continue;
+          memcpy(serve->askers[texel], serve->askers[other], sizeof *serve->askers);
+          round[texel] = (uint8_t)r;
+          break;
+        }
+      }
+  free(round);
+  return STY_OK;
+}
+
+/* ---- serving ------------------------------------------------------------------ */
+
+StyStatus sty_open_serve(const StyLut *lut, const StyImage *guide, const StyImage *const *frames, int frame_count,
+                         StyServe *out, StyError *error) {
+  const size_t texels = sty_count_texels(&lut->spec);
+  StyServe serve = {.frames = calloc((size_t)frame_count, sizeof *serve.frames), .frame_count = frame_count};
+  serve.askers = malloc(texels * sizeof *serve.askers);
+  StyStatus status =
+      serve.frames && serve.askers ? STY_OK : sty_fail_memory(error, "frames", (double)texels * sizeof *serve.askers);
+  if (!status) {
+    memset(serve.askers, 0xff, texels * sizeof *serve.askers);
+    status = open_patch(guide, 255, &serve.source, error);
+  }
+  for (int f = 0; !status && f < frame_count; f++) status = open_patch(frames[f], 0, &serve.frames[f], error);
+  if (!status) status = find_askers(lut, frames, &serve, error);
+  if (!status) status = lend_askers(lut, &serve, error);
+  if (status)
+    sty_close_serve(&serve);
+  else
+    *out = serve;
+  return status;
+}
+
+void sty_close_serve(StyServe *serve) {
+  free_patch(&serve->source);
+  for (int f = 0; serve->frames && f < serve->frame_count; f++) free_patch(&serve->frames[f]);
+  free(serve->frames);
+  free(serve->askers);
+  *serve = (StyServe){0};
+}
+
+static bool agree(const uint8_t a[4], const uint8_t b[4]) {
+  int sum = 0;
+  for (int k = 0; k < 3; k++) sum += abs(a[k] - b[k]);
+  return sum < THRESHOLD;
+}
+
+static const uint8_t (*get_place(const StyPatch *patch, int x, int y))[4] {
+  return (const uint8_t(*)[4])patch->bytes + (ptrdiff_t)y * patch->pitch + x;
+}
+
+float sty_measure_service(const StyServe *serve, size_t texel, int x, int y) {
+  const uint8_t(*const source)[4] = get_place(&serve->source, x, y);
+  int squares = 0, count = 0;
+  for (; count < STY_MOST_ASKERS && serve->askers[texel][count].frame >= 0; count++) {
+    const StyAsker *asker = &serve->askers[texel][count];
+    const StyPatch *patch = &serve->frames[asker->frame];
+    const uint8_t(*const frame)[4] = get_place(patch, asker->x, asker->y);
+    const int turn = count % TURNS;
+    for (int ray = 0; ray < RAYS; ray++) {
+      const int32_t *from = serve->source.offsets[turn][ray], *to = patch->offsets[turn][ray];
+      int step = 0;
+      while (step < STEPS && agree(source[from[step]], frame[to[step]])) step++;
+      if (step) squares += distances[step - 1] * distances[step - 1];
+    }
+  }
+  return count ? (float)squares * (float)(M_PI / RAYS) / (float)count : 0;
+}

@@ -1,0 +1,44 @@
+/* How well source pixels serve frames. The runtime copies pieces: around a seed
+ * whose texel holds source pixel u, a frame's pixel at seed + d gets u + d for as
+ * long as the two guides agree there (see runtime.h). So the pixel of a texel that
+ * makes large pieces is one whose surroundings look like the surroundings of the
+ * frame pixels that ask for this texel. */
+#ifndef STYLUT_SRC_LUT_SERVE_H
+#define STYLUT_SRC_LUT_SERVE_H
+
+#include "stylut/lut.h"
+
+/* A guide as the runtime compares it: bytes in a margin of uncovered ones. */
+typedef struct StyPatch {
+  int width, height, pitch;
+  uint8_t (*bytes)[4]; /* x, y, z, 0; of the pixel (0, 0) */
+  uint8_t (*block)[4];
+  int32_t offsets[4][4][4]; /* by turn, ray and step: see serve.c */
+} StyPatch;
+
+/* A frame's pixel that asks for a texel. */
+typedef struct StyAsker {
+  int32_t frame, x, y; /* frame -1: none */
+} StyAsker;
+
+enum { STY_MOST_ASKERS = 8 }; /* a texel, evenly chosen of all that there are */
+
+typedef struct StyServe {
+  StyPatch source, *frames;
+  int frame_count;
+  StyAsker (*askers)[STY_MOST_ASKERS]; /* per texel */
+} StyServe;
+
+/* `guide` is the table's, with normals; frames are guides of any size. The caller closes it. */
+StyStatus sty_open_serve(const StyLut *lut, const StyImage *guide, const StyImage *const *frames, int frame_count,
+                         StyServe *out, StyError *error);
+void sty_close_serve(StyServe *serve);
+
+/* Whether frames ask for the texel, or for one so near that it borrows from it. */
+static inline bool sty_has_askers(const StyServe *serve, size_t texel) { return serve->askers[texel][0].frame >= 0; }
+
+/* The mean size, pixels, of the pieces that source pixel (x, y) would make around
+ * those that ask for the texel; 0 where nobody asks. */
+float sty_measure_service(const StyServe *serve, size_t texel, int x, int y);
+
+#endif
