@@ -2,6 +2,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
 
 const char *const sty_sampling_names[] = {"centre", "unorm8", "corner", NULL};
 const char *const sty_map_names[] = {"xy", "equal-area", NULL};
@@ -24,13 +27,15 @@ StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_he
   StyLut *lut = calloc(1, sizeof *lut);
   if (lut) {
     *lut = (StyLut){.spec = *spec, .source_width = source_width, .source_height = source_height};
-    lut->pixels = calloc(texels, sizeof *lut->pixels);
-    lut->errors = calloc(texels, sizeof *lut->errors);
+    lut->pixels = sty_allocate_large(texels * sizeof *lut->pixels);
+    lut->errors = sty_allocate_large(texels * sizeof *lut->errors);
   }
   if (!lut || !lut->pixels || !lut->errors) {
     sty_destroy_lut(&lut);
     return sty_fail_memory(error, "LUT", (double)texels * 8);
   }
+  memset(lut->pixels, 0, texels * sizeof *lut->pixels);
+  memset(lut->errors, 0, texels * sizeof *lut->errors);
   *out = lut;
   return STY_OK;
 }
