@@ -22,6 +22,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+#include "lut/deal.h"
+
 enum { REGION = 3, STEPS = 2, MOST_IN_REGION = 16 * REGION * REGION };
 
 /* ---- laying out cells --------------------------------------------------------- */
@@ -34,10 +37,6 @@ static int get_column(const StyCells *cells, float x) {
 static int get_row(const StyCells *cells, float y) {
   const int row = (int)(((double)y - cells->y0) * cells->inverse);
   return row < cells->rows ? row : cells->rows - 1;
-}
-
-static size_t get_cell(const StyCells *cells, const float value[2]) {
-  return (size_t)get_row(cells, value[1]) * (size_t)cells->columns + (size_t)get_column(cells, value[0]);
 }
 
 static void get_box(const StySites *sites, double low[2], double high[2]) {
@@ -82,6 +81,10 @@ typedef struct Regions {
   bool *plain;
 } Regions;
 
+static size_t get_region(const Regions *regions, int column, int row) {
+  return (size_t)(row / REGION) * (size_t)regions->columns + (size_t)(column / REGION);
+}
+
 static bool is_plain(const Regions *regions, int x, int y) {
   if (regions->counts[(size_t)y * (size_t)regions->columns + (size_t)x] > MOST_IN_REGION) return false;
   if (x < STEPS || y < STEPS || x >= regions->columns - STEPS || y >= regions->rows - STEPS) return false;
@@ -91,27 +94,13 @@ static bool is_plain(const Regions *regions, int x, int y) {
   return true;
 }
 
-static void count_regions(const StyCells *cells, const uint32_t *counts, Regions *regions) {
-  for (int y = 0; y < cells->rows; y++)
-    for (int x = 0; x < cells->columns; x++)
-      regions->counts[(size_t)(y / REGION) * (size_t)regions->columns + (size_t)(x / REGION)] +=
-          counts[(size_t)y * (size_t)cells->columns + (size_t)x];
-  for (int y = 0; y < regions->rows; y++)
-    for (int x = 0; x < regions->columns; x++)
-      regions->plain[(size_t)y * (size_t)regions->columns + (size_t)x] = is_plain(regions, x, y);
-}
-
-static bool is_cell_plain(const Regions *regions, int column, int row) {
-  return regions->plain[(size_t)(row / REGION) * (size_t)regions->columns + (size_t)(column / REGION)];
-}
-
 /* ---- dealing out -------------------------------------------------------------- */
 
 /* Room for what the plain cells hold. */
 static bool make_room(StyCells *cells, size_t count) {
-  cells->x = malloc((count + 1) * sizeof *cells->x);
-  cells->y = malloc((count + 1) * sizeof *cells->y);
-  cells->pixels = malloc((count + 1) * sizeof *cells->pixels);
+  cells->x = sty_allocate_large((count + 1) * sizeof *cells->x);
+  cells->y = sty_allocate_large((count + 1) * sizeof *cells->y);
+  cells->pixels = sty_allocate_large((count + 1) * sizeof *cells->pixels);
   return cells->x && cells->y && cells->pixels;
 }
 
@@ -144,63 +133,117 @@ static size_t drop_duplicates(StyCells *cells) {
   return kept;
 }
 
-/* Plain points into the cells, the others to *spots, both by ascending pixel.
- * `first` holds each cell's number of points; that of plain cells becomes where they begin. */
-static bool deal_out(const StySites *sites, const Regions *regions, StyCells *cells, StySpot **spots,
-                     size_t *spot_count) {
-  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
-  uint32_t plain = 0;
-  for (int row = 0; row < cells->rows; row++)
-    for (int column = 0; column < cells->columns; column++) {
-      uint32_t *first = &cells->first[(size_t)row * (size_t)cells->columns + (size_t)column];
-      const uint32_t own = is_cell_plain(regions, column, row) ? *first : 0;
-      *first = plain;
-      plain += own;
-    }
-  cells->first[count] = plain;
-  *spot_count = 0;
-  *spots = malloc((sites->count - plain + 1) * sizeof **spots);
-  if (!make_room(cells, plain) || !*spots) return false;
-  for (size_t s = 0; s < sites->count; s++) {
-    const float *value = sites->values + 2 * s;
-    const int column = get_column(cells, value[0]), row = get_row(cells, value[1]);
-    if (!is_cell_plain(regions, column, row)) {
-      (*spots)[(*spot_count)++] = (StySpot){value[0], value[1], sites->pixels[s]};
-      continue;
-    }
-    const uint32_t at = cells->first[(size_t)row * (size_t)cells->columns + (size_t)column]++;
-    cells->x[at] = value[0];
-    cells->y[at] = value[1];
-    cells->pixels[at] = (int32_t)sites->pixels[s];
+/* Sites on their way. */
+typedef struct Sorting {
+  const StySites *sites;
+  StyCells *cells;
+  StySpot *spots;
+  int parts;
+  size_t buckets;   /* cells, and for what isn't plain one more */
+  uint32_t *cell;   /* of each site */
+  uint32_t *counts; /* part by part, sites in each bucket; then where they begin */
+} Sorting;
+
+static void count_sites(void *context, int part, size_t begin, size_t end) {
+  const Sorting *s = context;
+  uint32_t *counts = s->counts + (size_t)part * s->buckets;
+  memset(counts, 0, s->buckets * sizeof *counts);
+  for (size_t i = begin; i < end; i++) {
+    const float *value = s->sites->values + 2 * i;
+    const size_t row = (size_t)get_row(s->cells, value[1]);
+    s->cell[i] = (uint32_t)(row * (size_t)s->cells->columns + (size_t)get_column(s->cells, value[0]));
+    counts[s->cell[i]]++;
   }
-  /* Each cell's `first` has become the next one's. */
-  memmove(cells->first + 1, cells->first, count * sizeof *cells->first);
-  cells->first[0] = 0;
-  return true;
 }
 
-/* Sorts the sites; false: memory is short. */
-static bool sort_sites(const StySites *sites, StyCells *cells, StySpot **spots, size_t *spot_count) {
-  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
+static void find_plain_regions(const Sorting *s, Regions *regions) {
+  for (int part = 0; part < s->parts; part++) {
+    const uint32_t *counts = s->counts + (size_t)part * s->buckets;
+    for (int row = 0; row < s->cells->rows; row++)
+      for (int column = 0; column < s->cells->columns; column++)
+        regions->counts[get_region(regions, column, row)] += *counts++;
+  }
+  for (int y = 0; y < regions->rows; y++)
+    for (int x = 0; x < regions->columns; x++)
+      regions->plain[(size_t)y * (size_t)regions->columns + (size_t)x] = is_plain(regions, x, y);
+}
+
+/* What isn't plain counts to the last bucket; its own cell counts as empty. */
+static void set_apart(const Sorting *s, const Regions *regions) {
+  for (int part = 0; part < s->parts; part++) {
+    uint32_t *counts = s->counts + (size_t)part * s->buckets, *apart = counts + s->buckets - 1;
+    for (int row = 0; row < s->cells->rows; row++)
+      for (int column = 0; column < s->cells->columns; column++, counts++)
+        if (!regions->plain[get_region(regions, column, row)]) {
+          *apart += *counts;
+          *counts = 0;
+        }
+  }
+}
+
+static void move_sites(void *context, int part, size_t begin, size_t end) {
+  const Sorting *s = context;
+  StyCells *cells = s->cells;
+  const size_t apart = s->buckets - 1;
+  const uint32_t plain = cells->first[apart];
+  uint32_t *next = s->counts + (size_t)part * s->buckets;
+  for (size_t i = begin; i < end; i++) {
+    const float *value = s->sites->values + 2 * i;
+    const size_t cell = s->cell[i];
+    if (cells->first[cell] < cells->first[cell + 1]) {
+      const uint32_t place = next[cell]++;
+      cells->x[place] = value[0];
+      cells->y[place] = value[1];
+      cells->pixels[place] = (int32_t)s->sites->pixels[i];
+    } else {
+      s->spots[next[apart]++ - plain] = (StySpot){value[0], value[1], s->sites->pixels[i]};
+    }
+  }
+}
+
+static StyStatus deal_out(Sorting *s, Regions *regions, const StyRun *run, StyError *error) {
+  const size_t count = s->sites->count;
+  sty_split_items(run, count, s->parts, count_sites, s);
+  find_plain_regions(s, regions);
+  set_apart(s, regions);
+  sty_sum_counts(s->counts, s->parts, s->buckets, s->cells->first);
+  const size_t plain = s->cells->first[s->buckets - 1];
+  s->spots = sty_allocate_large((count - plain + 1) * sizeof *s->spots);
+  if (!make_room(s->cells, plain) || !s->spots) return sty_fail_memory(error, "engine grid", (double)count * 12);
+  sty_split_items(run, count, s->parts, move_sites, s);
+  return STY_OK;
+}
+
+/* Plain points into the cells, the others to *spots, both by ascending pixel. */
+static StyStatus sort_sites(const StySites *sites, StyCells *cells, StySpot **spots, size_t *spot_count,
+                            const StyRun *run, StyError *error) {
+  Sorting s = {.sites = sites,
+               .cells = cells,
+               .parts = sty_count_parts(run, sites->count),
+               .buckets = (size_t)cells->columns * (size_t)cells->rows + 1};
   Regions regions = {.columns = (cells->columns + REGION - 1) / REGION, .rows = (cells->rows + REGION - 1) / REGION};
   const size_t region_count = (size_t)regions.columns * (size_t)regions.rows;
   regions.counts = calloc(region_count, sizeof *regions.counts);
   regions.plain = malloc(region_count * sizeof *regions.plain);
-  cells->first = calloc(count + 1, sizeof *cells->first);
-  bool sorted = regions.counts && regions.plain && cells->first;
-  if (sorted) {
-    for (size_t s = 0; s < sites->count; s++) cells->first[get_cell(cells, sites->values + 2 * s)]++;
-    count_regions(cells, cells->first, &regions);
-    sorted = deal_out(sites, &regions, cells, spots, spot_count);
-  }
+  s.cell = sty_allocate_large(sites->count * sizeof *s.cell);
+  s.counts = sty_allocate_large((size_t)s.parts * s.buckets * sizeof *s.counts);
+  cells->first = sty_allocate_large((s.buckets + 1) * sizeof *cells->first);
+  StyStatus status = STY_OK;
+  if (!regions.counts || !regions.plain || !s.cell || !s.counts || !cells->first)
+    status = sty_fail_memory(error, "engine grid", (double)sites->count * 12);
+  if (!status) status = deal_out(&s, &regions, run, error);
   free(regions.counts);
   free(regions.plain);
-  return sorted;
+  free(s.cell);
+  free(s.counts);
+  *spots = s.spots;
+  if (!status) *spot_count = sites->count - cells->first[s.buckets - 1];
+  return status;
 }
 
 /* All sites, lifted, for a tree without cells. */
 static bool copy_sites(const StySites *sites, int dims, StySpot **spots) {
-  *spots = malloc(sites->count * sizeof **spots);
+  *spots = sty_allocate_large(sites->count * sizeof **spots);
   for (size_t s = 0; *spots && s < sites->count; s++) {
     float at[3];
     sty_lift(dims, sites->values + 2 * s, at);
@@ -218,10 +261,12 @@ static StyStatus build_by_search(const StySites *sites, const StyMeasure *measur
   const bool has_cells = measure->dims == 2 && lay_out_cells(sites, &cells);
   if (!has_cells) cells = (StyCells){0};
   StyStatus status = STY_OK;
-  if (has_cells ? !sort_sites(sites, &cells, &spots, &spot_count) : !copy_sites(sites, measure->dims, &spots))
-    status = sty_fail_memory(error, "engine grid", (double)sites->count * 28);
+  if (has_cells)
+    status = sort_sites(sites, &cells, &spots, &spot_count, run, error);
+  else if (!copy_sites(sites, measure->dims, &spots))
+    status = sty_fail_memory(error, "engine grid", (double)sites->count * 12);
   if (!status && has_cells) plain = drop_duplicates(&cells);
-  if (!status) status = sty_plant_tree(measure->dims, spots, spot_count, &tree, error);
+  if (!status) status = sty_plant_tree(measure->dims, spots, spot_count, run, &tree, error);
   free(spots);
   if (!status) {
     lut->unique = plain + tree.count;

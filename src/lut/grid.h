@@ -4,6 +4,7 @@
  *   grid.c       other guides: the plain inside of a dense guide in cells, what
  *                is exposed, crowded or hangs free in a tree
  *   tree.c       that tree: a packed R-tree in Hilbert order
+ *   deal.c       what both sort with, on several threads
  *   search.c     answers blocks of texels from cells and tree */
 #ifndef STYLUT_SRC_LUT_GRID_H
 #define STYLUT_SRC_LUT_GRID_H
@@ -46,7 +47,7 @@ typedef struct StyTree {
 
 /* Plants a tree over spots, which come by ascending pixel. They are reordered, and
  * of those at one place only the lowest pixel is kept. */
-StyStatus sty_plant_tree(int dims, StySpot *spots, size_t count, StyTree *out, StyError *error);
+StyStatus sty_plant_tree(int dims, StySpot *spots, size_t count, const StyRun *run, StyTree *out, StyError *error);
 void sty_fell_tree(StyTree *tree);
 
 /* ---- search.c ----------------------------------------------------------------- */

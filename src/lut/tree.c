@@ -2,6 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+#include "lut/deal.h"
 #include "lut/grid.h"
 
 /* ---- Hilbert order ------------------------------------------------------------ */
@@ -72,52 +74,119 @@ static size_t move_distinct(const StySpot *spots, size_t count, StySpot *out) {
   return kept;
 }
 
-static bool order_spots(StySpot *spots, StySpot *spare, size_t *count);
+static StyStatus order_spots(StySpot *spots, StySpot *spare, size_t *count, const StyRun *run, StyError *error);
 
-/* Sorts by cell into `spare`, whose cells end up where `ends` says, and back. */
-static bool order_cells(StySpot *spots, StySpot *spare, size_t *count, const uint32_t *ends, size_t cells) {
-  size_t kept = 0, begin = 0;
-  for (size_t c = 0; c < cells; c++) {
-    size_t members = ends[c] - begin;
+/* A deal of spots into cells. */
+typedef struct Dealing {
+  StySpot *spots, *spare;
+  Box box;
+  double scale[2];
+  int steps, parts;
+  size_t cells;
+  uint32_t *cell;   /* of each spot */
+  uint32_t *counts; /* part by part, spots in each cell; then where in `spare` they begin */
+  uint32_t *first;  /* per cell and one more: where in `spare` */
+} Dealing;
+
+static void count_spots(void *context, int part, size_t begin, size_t end) {
+  const Dealing *d = context;
+  uint32_t *counts = d->counts + (size_t)part * d->cells;
+  memset(counts, 0, d->cells * sizeof *counts);
+  for (size_t i = begin; i < end; i++) counts[d->cell[i] = get_cell(&d->box, d->scale, d->steps, &d->spots[i])]++;
+}
+
+static void move_spots(void *context, int part, size_t begin, size_t end) {
+  const Dealing *d = context;
+  uint32_t *next = d->counts + (size_t)part * d->cells;
+  for (size_t i = begin; i < end; i++) d->spare[next[d->cell[i]]++] = d->spots[i];
+}
+
+/* Orders cells within and moves them back, to where the first of them begins; *kept of their spots remain. */
+static StyStatus order_cells(const Dealing *d, size_t begin_cell, size_t end_cell, size_t *kept, StyError *error) {
+  StySpot *out = d->spots + d->first[begin_cell];
+  *kept = 0;
+  for (size_t c = begin_cell; c < end_cell; c++) {
+    const size_t begin = d->first[c];
+    size_t members = d->first[c + 1] - begin;
     if (members > CROWD) {
       /* What lies before has moved already, so this part of `spots` is free. */
-      if (!order_spots(spare + begin, spots + begin, &members)) return false;
-      memmove(spots + kept, spare + begin, members * sizeof *spots);
-      kept += members;
+      const StyStatus status =
+          order_spots(d->spare + begin, d->spots + begin, &members, &(StyRun){.threads = 1}, error);
+      if (status) return status;
+      memmove(out + *kept, d->spare + begin, members * sizeof *out);
+      *kept += members;
     } else {
-      kept += move_distinct(spare + begin, members, spots + kept);
+      *kept += move_distinct(d->spare + begin, members, out + *kept);
     }
-    begin = ends[c];
+  }
+  return STY_OK;
+}
+
+enum { CELL_RUNS = 64 }; /* what threads take at a time */
+
+typedef struct CellRuns {
+  const Dealing *dealing;
+  size_t ends[CELL_RUNS + 1]; /* cells */
+  size_t kept[CELL_RUNS];
+} CellRuns;
+
+static StyStatus order_run(void *context, long r, StyError *error) {
+  CellRuns *runs = context;
+  return order_cells(runs->dealing, runs->ends[r], runs->ends[r + 1], &runs->kept[r], error);
+}
+
+/* All cells, in runs of about equally many spots where there are several threads' worth. */
+static StyStatus order_all_cells(const Dealing *d, size_t *count, const StyRun *run, StyError *error) {
+  if (d->parts == 1) return order_cells(d, 0, d->cells, count, error);
+  CellRuns runs = {.dealing = d};
+  size_t cell = 0;
+  for (int r = 0; r < CELL_RUNS; r++) {
+    runs.ends[r] = cell;
+    while (cell < d->cells && d->first[cell] < *count * (size_t)(r + 1) / CELL_RUNS) cell++;
+  }
+  runs.ends[CELL_RUNS] = d->cells;
+  const StyStatus status =
+      sty_parallel_for(&(StyRun){.threads = sty_get_threads(run)}, CELL_RUNS, order_run, &runs, error);
+  if (status) return status;
+  size_t kept = 0;
+  for (int r = 0; r < CELL_RUNS; r++) {
+    memmove(d->spots + kept, d->spots + d->first[runs.ends[r]], runs.kept[r] * sizeof *d->spots);
+    kept += runs.kept[r];
   }
   *count = kept;
-  return true;
+  return STY_OK;
 }
 
 /* Each call deals its spots into more cells than one, so that few levels suffice
- * for any: 30 for the worst that float can express. False: memory is short. */
-static bool order_spots(StySpot *spots, StySpot *spare, size_t *count) {
-  const Box box = get_box(spots, *count);
-  if (box.low[0] == box.high[0] && box.low[1] == box.high[1]) {
+ * for any: 30 for the worst that float can express. */
+static StyStatus order_spots(StySpot *spots, StySpot *spare, size_t *count, const StyRun *run, StyError *error) {
+  Dealing d = {.spots = spots, .spare = spare, .box = get_box(spots, *count), .steps = 1};
+  const Box *box = &d.box;
+  if (box->low[0] == box->high[0] && box->low[1] == box->high[1]) {
     *count = 1; /* all at one place; the first is the lowest */
-    return true;
+    return STY_OK;
   }
-  int steps = 1;
-  while (steps < MOST_STEPS && (size_t)1 << 4 * steps < *count / 4) steps++;
-  const size_t cells = (size_t)1 << 4 * steps;
-  double scale[2];
+  while (d.steps < MOST_STEPS && (size_t)1 << 4 * d.steps < *count / 4) d.steps++;
+  d.cells = (size_t)1 << 4 * d.steps;
+  d.parts = sty_count_parts(run, *count);
   for (int k = 0; k < 2; k++)
-    scale[k] = box.high[k] > box.low[k] ? (double)(1 << 2 * steps) / ((double)box.high[k] - (double)box.low[k]) : 0;
-  uint32_t *ends = calloc(cells + 1, sizeof *ends), *cell = malloc(*count * sizeof *cell);
-  bool ordered = ends && cell;
-  if (ordered) {
-    for (size_t i = 0; i < *count; i++) ends[(cell[i] = get_cell(&box, scale, steps, &spots[i])) + 1]++;
-    for (size_t c = 0; c < cells; c++) ends[c + 1] += ends[c];
-    for (size_t i = 0; i < *count; i++) spare[ends[cell[i]]++] = spots[i];
+    d.scale[k] =
+        box->high[k] > box->low[k] ? (double)(1 << 2 * d.steps) / ((double)box->high[k] - (double)box->low[k]) : 0;
+  d.cell = sty_allocate_large(*count * sizeof *d.cell);
+  d.counts = malloc((size_t)d.parts * d.cells * sizeof *d.counts);
+  d.first = malloc((d.cells + 1) * sizeof *d.first);
+  const bool complete = d.cell && d.counts && d.first;
+  if (complete) {
+    sty_split_items(run, *count, d.parts, count_spots, &d);
+    sty_sum_counts(d.counts, d.parts, d.cells, d.first);
+    sty_split_items(run, *count, d.parts, move_spots, &d);
   }
-  free(cell);
-  if (ordered) ordered = order_cells(spots, spare, count, ends, cells);
-  free(ends);
-  return ordered;
+  free(d.cell);
+  free(d.counts);
+  const StyStatus status =
+      complete ? order_all_cells(&d, count, run, error) : sty_fail_memory(error, "engine grid", (double)*count * 4);
+  free(d.first);
+  return status;
 }
 
 /* ---- the tree ----------------------------------------------------------------- */
@@ -184,21 +253,23 @@ static bool build_levels(StyTree *tree) {
   return true;
 }
 
-StyStatus sty_plant_tree(int dims, StySpot *spots, size_t count, StyTree *out, StyError *error) {
+StyStatus sty_plant_tree(int dims, StySpot *spots, size_t count, const StyRun *run, StyTree *out, StyError *error) {
   StyTree tree = {.dims = dims, .count = count};
   if (count == 0) {
     *out = tree;
     return STY_OK;
   }
-  StySpot *spare = malloc(count * sizeof *spare);
-  const bool ordered = spare && order_spots(spots, spare, &tree.count);
+  StySpot *spare = sty_allocate_large(count * sizeof *spare);
+  StyStatus status = spare ? order_spots(spots, spare, &tree.count, run, error)
+                           : sty_fail_memory(error, "engine grid", (double)count * 12);
   free(spare);
-  if (!ordered || !fill_leaves(&tree, spots) || !build_levels(&tree)) {
+  if (!status && (!fill_leaves(&tree, spots) || !build_levels(&tree)))
+    status = sty_fail_memory(error, "engine grid", (double)count * 24);
+  if (status)
     sty_fell_tree(&tree);
-    return sty_fail_memory(error, "engine grid", (double)count * 24);
-  }
-  *out = tree;
-  return STY_OK;
+  else
+    *out = tree;
+  return status;
 }
 
 void sty_fell_tree(StyTree *tree) {

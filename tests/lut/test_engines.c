@@ -515,6 +515,32 @@ static void test_dense_guides(void **state) {
 }
 
 /* A small table asks far between, a large one many times of each pixel. */
+/* Enough points for several threads to sort them together. */
+static void test_threads_sort_alike(void **state) {
+  (void)state;
+  enum { SIDE = CASES(300, 200) };
+  uint64_t random = 23;
+  for (int kind = 0; kind < DENSES + KINDS; kind++) {
+    StyImage *guide =
+        kind < DENSES ? make_dense((Dense)kind, SIDE, &random) : make_guide((Kind)(kind - DENSES), SIDE, SIDE, &random);
+    StySites *sites = collect(guide);
+    StyLutSpec spec = describe(40, 0);
+    spec.metric = kind % 2 ? STY_METRIC_ANGLE : STY_METRIC_XY;
+    StyLut *one = build_as(sites, "grid", spec, 1), *reference = build_as(sites, "flann-single", spec, 2);
+    expect_same(one, reference, "grid");
+    for (int threads = 2; threads <= 8; threads = 2 * threads - 1) {
+      StyLut *more = build_as(sites, "grid", spec, threads);
+      expect_same(more, one, "grid");
+      assert_int_equal(more->unique, one->unique);
+      sty_destroy_lut(&more);
+    }
+    sty_destroy_lut(&one);
+    sty_destroy_lut(&reference);
+    sty_destroy_sites(&sites);
+    sty_destroy_image(&guide);
+  }
+}
+
 static void test_dense_guide_at_many_sizes(void **state) {
   (void)state;
   static const int sizes[] = {1, 2, 3, 4, 5, 7, 8, 9, 90};
@@ -900,6 +926,7 @@ int main(void) {
       cmocka_unit_test(test_threads),
       cmocka_unit_test(test_dense_guides),
       cmocka_unit_test(test_sparse_guides),
+      cmocka_unit_test(test_threads_sort_alike),
       cmocka_unit_test(test_dense_guide_at_many_sizes),
       cmocka_unit_test(test_uniform_points),
       cmocka_unit_test(test_circle),
