@@ -16,13 +16,16 @@ static inline int sty_get_y(uint32_t packed) { return (int)(packed >> 16); }
 /* The four neighbours of a texel; the first two name each pair once. */
 static const int sty_steps[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
 
+/* Texels that take part are feasible or at the rim, where a feasible value may still fall into them. */
+enum { STY_DEAD, STY_RIM, STY_FEASIBLE };
+
 typedef struct StyChoice {
   StyLut *lut;
   int dims;
   float *values[3];  /* planes of the source pixels, in the metric's space; NAN where uncovered */
   float *places;     /* dims per texel */
   float *limits;     /* per texel: the largest squared distance allowed */
-  uint8_t *live;     /* per texel: whether it takes part */
+  uint8_t *live;     /* per texel: STY_DEAD and so on */
   uint32_t *current; /* per texel: its source pixel, packed */
   /* With frames, else NULL: */
   const StyServe *serve;

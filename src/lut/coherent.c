@@ -35,8 +35,9 @@ enum { MOST_REACH = 16 };
 
 typedef struct Fusion {
   StyChoice *choice;
-  int jump, reach;       /* pixels: what is a jump; how far from a neighbour's pixel a patch looks for its next */
-  int32_t *ways;         /* what a way costs, by its length in pixels along x plus along y: 2 * jump and 0 */
+  double jump;           /* pixels: farther is a jump */
+  int reach;             /* pixels: how far from a neighbour's pixel a patch looks for its next */
+  int32_t *ways;         /* what a way costs, by its length in pixels along x plus along y, up to 2 * jump */
   uint32_t *proposal;    /* per texel: a packed source pixel, or none */
   int32_t *own;          /* per texel: what its current pixel costs by itself */
   int32_t *proposed_own; /* per node: what the proposed one would */
@@ -47,8 +48,9 @@ typedef struct Fusion {
 
 /* ---- costs ----------------------------------------------------------------------- */
 
+/* In double: the longest side's square is beyond an int. */
 static bool is_jump(const Fusion *f, uint32_t p, uint32_t q) {
-  const int dx = sty_get_x(p) - sty_get_x(q), dy = sty_get_y(p) - sty_get_y(q);
+  const double dx = sty_get_x(p) - sty_get_x(q), dy = sty_get_y(p) - sty_get_y(q);
   return dx * dx + dy * dy > f->jump * f->jump;
 }
 
@@ -66,11 +68,13 @@ static int32_t get_pair_cost(const Fusion *f, uint32_t p, uint32_t q) {
   return f->ways[abs(sty_get_x(p) - sty_get_x(q)) + abs(sty_get_y(p) - sty_get_y(q))];
 }
 
-/* For a pixel farther than the nearest; `squared` is its distance. */
+/* For a pixel farther than the nearest; `squared` is its distance. Where the slack
+ * is so little that rounding hides it, all that it allows is equally good. */
 static int32_t get_excess_cost(const Fusion *f, int texel, float squared) {
   const float least = f->choice->lut->errors[texel] * f->choice->lut->errors[texel];
-  const float share = (squared - least) / (f->choice->limits[texel] - least);
-  return share > 0 ? (int32_t)(SLACK_COST * share + 0.5f) : 0;
+  const float above = squared - least, room = f->choice->limits[texel] - least;
+  if (!(above > 0 && room > 0)) return 0;
+  return above < room ? (int32_t)(SLACK_COST * (above / room) + 0.5f) : SLACK_COST;
 }
 
 /* For a pixel that serves frames worse than the best. */
@@ -195,7 +199,38 @@ static int number_changes(Fusion *f, int count) {
   return changes;
 }
 
-/* Takes over, of the proposal for the `count` queued texels, what pays. */
+/* Jumps between feasible texels at the cut's nodes; those between two nodes count twice. */
+static long count_jumps(const Fusion *f, int changes) {
+  const StyChoice *choice = f->choice;
+  long jumps = 0;
+  for (int n = 0; n < changes; n++) {
+    const int texel = f->queue[n];
+    for (int s = 0; s < 4 && choice->live[texel] == STY_FEASIBLE; s++) {
+      const int other = get_neighbour(f, texel, s);
+      if (other >= 0 && choice->live[other] == STY_FEASIBLE &&
+          is_jump(f, choice->current[texel], choice->current[other]))
+        jumps += f->node[other] < 0 ? 2 : 1;
+    }
+  }
+  return jumps;
+}
+
+/* Exchanges the pixels of the nodes that the cut wants to change, and their costs, with those proposed. */
+static void exchange(Fusion *f, int changes) {
+  for (int n = 0; n < changes; n++) {
+    if (!sty_is_on_sink_side(&f->cut, n)) continue;
+    const int texel = f->queue[n];
+    const uint32_t pixel = f->choice->current[texel];
+    const int32_t own = f->own[texel];
+    f->choice->current[texel] = f->proposal[texel];
+    f->proposal[texel] = pixel;
+    f->own[texel] = f->proposed_own[n];
+    f->proposed_own[n] = own;
+  }
+}
+
+/* Takes over, of the proposal for the `count` queued texels, what pays; but where
+ * no frames are to be served, shorter ways aren't paid with more jumps. */
 static void fuse_proposal(Fusion *f, int count) {
   const int changes = number_changes(f, count);
   if (!changes) return;
@@ -210,13 +245,10 @@ static void fuse_proposal(Fusion *f, int count) {
     }
   }
   sty_solve_cut(&f->cut);
-  for (int n = 0; n < changes; n++) {
-    const int texel = f->queue[n];
-    f->node[texel] = -1;
-    if (!sty_is_on_sink_side(&f->cut, n)) continue;
-    f->choice->current[texel] = f->proposal[texel];
-    f->own[texel] = f->proposed_own[n];
-  }
+  const long before = count_jumps(f, changes);
+  exchange(f, changes);
+  if (!f->choice->serve && count_jumps(f, changes) > before) exchange(f, changes);
+  for (int n = 0; n < changes; n++) f->node[f->queue[n]] = -1;
 }
 
 /* The whole sum. */
@@ -279,9 +311,10 @@ static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
   const size_t texels = sty_count_texels(&lut->spec);
   const int source = lut->source_width > lut->source_height ? lut->source_width : lut->source_height;
   const int table = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
-  *f = (Fusion){.choice = choice, .jump = 4 * source > table ? 4 * source / table : 1};
-  f->reach = f->jump / 2 < 1 ? 1 : f->jump / 2 > MOST_REACH ? MOST_REACH : f->jump / 2;
-  f->ways = malloc((2 * (size_t)f->jump + 1) * sizeof *f->ways);
+  *f = (Fusion){.choice = choice, .jump = 4 * source > table ? 4.0 * source / table : 1};
+  const size_t longest = (size_t)(2 * f->jump);
+  f->reach = f->jump < 2 ? 1 : f->jump > 2 * MOST_REACH ? MOST_REACH : (int)(f->jump / 2);
+  f->ways = malloc((longest + 1) * sizeof *f->ways);
   f->proposal = malloc(texels * sizeof *f->proposal);
   f->own = calloc(texels, sizeof *f->own);
   f->proposed_own = malloc(texels * sizeof *f->proposed_own);
@@ -292,7 +325,8 @@ static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
     close_fusion(f);
     return sty_fail_memory(error, "coherent LUT", (double)texels * 115);
   }
-  for (int length = 0; length <= 2 * f->jump; length++) f->ways[length] = STEP_COST * length / f->jump;
+  for (size_t length = 0; length <= longest; length++)
+    f->ways[length] = (int32_t)(STEP_COST * (double)length / f->jump);
   for (size_t t = 0; t < texels; t++) {
     f->node[t] = -1;
     if (choice->live[t]) f->own[t] = get_own_cost(f, (int)t, choice->current[t]);

@@ -14,14 +14,13 @@ enum { MOST_TRIED = 24 };
 
 /* ---- setting up --------------------------------------------------------------- */
 
-/* Feasible texels, and those at the rim that a feasible value may fall into. */
-static bool is_live(const StyLutSpec *spec, int i, int j) {
-  if (sty_is_feasible(spec, i, j)) return true;
+static uint8_t get_life(const StyLutSpec *spec, int i, int j) {
+  if (sty_is_feasible(spec, i, j)) return STY_FEASIBLE;
   for (int s = 0; s < 4; s++) {
     const int x = i + sty_steps[s][0], y = j + sty_steps[s][1];
-    if (x >= 0 && y >= 0 && x < spec->width && y < spec->height && sty_is_feasible(spec, x, y)) return true;
+    if (x >= 0 && y >= 0 && x < spec->width && y < spec->height && sty_is_feasible(spec, x, y)) return STY_RIM;
   }
-  return false;
+  return STY_DEAD;
 }
 
 static void set_texels(StyChoice *choice, const StyMeasure *measure, double slack) {
@@ -35,7 +34,7 @@ static void set_texels(StyChoice *choice, const StyMeasure *measure, double slac
       /* The margin is for rounding: never beyond the slack. */
       const double limit = (double)choice->lut->errors[t] + slack * (1 - 1e-6);
       choice->limits[t] = (float)(limit * limit);
-      choice->live[t] = is_live(spec, i, j);
+      choice->live[t] = get_life(spec, i, j);
       const int pixel = (int)choice->lut->pixels[t], width = choice->lut->source_width;
       choice->current[t] = sty_pack_pixel(pixel % width, pixel / width);
     }
