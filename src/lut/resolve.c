@@ -40,8 +40,9 @@ typedef struct Resolve {
   float *values[3];   /* planes of the source pixels, in the metric's space; NAN where uncovered */
   float *places;      /* dims per texel */
   float *limits;      /* per texel: the largest squared distance allowed */
-  uint8_t *live;      /* per texel: whether it takes part */
-  int jump, reach;    /* pixels: what is a jump; how far from a neighbour's pixel a patch looks for its next */
+  uint8_t *live;      /* per texel: whether it takes part, and is feasible */
+  double jump;        /* pixels: farther is a jump */
+  int reach;          /* pixels: how far from a neighbour's pixel a patch looks for its next */
   uint32_t *current;  /* per texel: its source pixel, packed: y above, x below, 16 bits each */
   uint32_t *proposal; /* per texel: a packed source pixel, or `nothing` */
   int *queue;         /* texels in the order a patch took them */
@@ -55,14 +56,16 @@ static int get_x(uint32_t packed) { return (int)(packed & 0xffff); }
 static int get_y(uint32_t packed) { return (int)(packed >> 16); }
 static uint32_t pack_pixel(int x, int y) { return (uint32_t)y << 16 | (uint32_t)x; }
 
+enum { DEAD, RIM, FEASIBLE };
+
 /* Feasible texels, and those at the rim that a feasible value may fall into. */
-static bool is_live(const StyLutSpec *spec, int i, int j) {
-  if (sty_is_feasible(spec, i, j)) return true;
+static uint8_t get_life(const StyLutSpec *spec, int i, int j) {
+  if (sty_is_feasible(spec, i, j)) return FEASIBLE;
   for (int s = 0; s < 4; s++) {
     const int x = i + steps[s][0], y = j + steps[s][1];
-    if (x >= 0 && y >= 0 && x < spec->width && y < spec->height && sty_is_feasible(spec, x, y)) return true;
+    if (x >= 0 && y >= 0 && x < spec->width && y < spec->height && sty_is_feasible(spec, x, y)) return RIM;
   }
-  return false;
+  return DEAD;
 }
 
 static void set_texels(Resolve *r, const StyMeasure *measure, double slack) {
@@ -76,7 +79,7 @@ static void set_texels(Resolve *r, const StyMeasure *measure, double slack) {
       /* The margin is for rounding: never beyond the slack. */
       const double limit = (double)r->lut->errors[t] + slack * (1 - 1e-6);
       r->limits[t] = (float)(limit * limit);
-      r->live[t] = is_live(spec, i, j);
+      r->live[t] = get_life(spec, i, j);
       r->node[t] = -1;
       const int pixel = (int)r->lut->pixels[t], width = r->lut->source_width;
       r->current[t] = pack_pixel(pixel % width, pixel / width);
@@ -112,8 +115,8 @@ static StyStatus open_resolve(StyLut *lut, const StySites *sites, double slack, 
   const size_t pixels = (size_t)sites->width * (size_t)sites->height;
   const int source = sites->width > sites->height ? sites->width : sites->height;
   const int table = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
-  *r = (Resolve){.lut = lut, .dims = measure.dims, .jump = 4 * source > table ? 4 * source / table : 1};
-  r->reach = r->jump / 2 < 1 ? 1 : r->jump / 2 > MOST_REACH ? MOST_REACH : r->jump / 2;
+  *r = (Resolve){.lut = lut, .dims = measure.dims, .jump = 4 * source > table ? 4.0 * source / table : 1};
+  r->reach = r->jump < 2 ? 1 : r->jump > 2 * MOST_REACH ? MOST_REACH : (int)(r->jump / 2);
   bool complete = true;
   for (int k = 0; k < r->dims; k++) complete = (r->values[k] = malloc(pixels * sizeof(float))) && complete;
   r->places = malloc(texels * dims * sizeof *r->places);
@@ -155,8 +158,9 @@ static void measure_row(const Resolve *r, int texel, size_t begin, int count, fl
   }
 }
 
+/* In double: the longest side's square is beyond an int. */
 static bool is_jump(const Resolve *r, uint32_t p, uint32_t q) {
-  const int dx = get_x(p) - get_x(q), dy = get_y(p) - get_y(q);
+  const double dx = get_x(p) - get_x(q), dy = get_y(p) - get_y(q);
   return dx * dx + dy * dy > r->jump * r->jump;
 }
 
@@ -173,14 +177,16 @@ static int get_neighbour(const Resolve *r, int texel, int s) {
 /* For two neighbouring texels' pixels: a jump, or the way from one to the other. */
 static int32_t get_pair_cost(const Resolve *r, uint32_t p, uint32_t q) {
   if (is_jump(r, p, q)) return JUMP_COST;
-  return STEP_COST * (abs(get_x(p) - get_x(q)) + abs(get_y(p) - get_y(q))) / r->jump;
+  return (int32_t)(STEP_COST * (abs(get_x(p) - get_x(q)) + abs(get_y(p) - get_y(q))) / r->jump);
 }
 
-/* For a pixel farther than the nearest; `squared` is its distance. */
+/* For a pixel farther than the nearest; `squared` is its distance. Where the slack
+ * is so little that rounding hides it, all that it allows is equally good. */
 static int32_t get_excess_cost(const Resolve *r, int texel, float squared) {
   const float least = r->lut->errors[texel] * r->lut->errors[texel];
-  const float share = (squared - least) / (r->limits[texel] - least);
-  return share > 0 ? (int32_t)(SLACK_COST * share + 0.5f) : 0;
+  const float above = squared - least, room = r->limits[texel] - least;
+  if (!(above > 0 && room > 0)) return 0;
+  return above < room ? (int32_t)(SLACK_COST * (above / room) + 0.5f) : SLACK_COST;
 }
 
 static int32_t get_own_cost(const Resolve *r, int texel, uint32_t pixel) {
@@ -283,21 +289,46 @@ static void add_pair_costs(Resolve *r, int a, int b) {
   if (mixed > 0) sty_add_cut_edge(&r->cut, r->node[a], r->node[b], mixed);
 }
 
-static int64_t get_total(const Resolve *r, const int *texels, int count) {
-  int64_t total = 0;
+/* What a choice comes to. */
+typedef struct Sum {
+  int64_t cost;
+  int jumps; /* between feasible texels */
+} Sum;
+
+static void add_pair(const Resolve *r, int a, int b, Sum *sum) {
+  const int32_t cost = get_pair_cost(r, r->current[a], r->current[b]);
+  sum->cost += cost;
+  sum->jumps += cost == JUMP_COST && r->live[a] == FEASIBLE && r->live[b] == FEASIBLE;
+}
+
+/* All that the listed texels, which are the cut's nodes, have a part in. */
+static Sum sum_up(const Resolve *r, const int *texels, int count) {
+  Sum sum = {0};
   for (int n = 0; n < count; n++) {
     const int texel = texels[n];
-    total += get_own_cost(r, texel, r->current[texel]);
+    sum.cost += get_own_cost(r, texel, r->current[texel]);
     for (int s = 0; s < 4; s++) {
       const int other = get_neighbour(r, texel, s);
       /* Pairs of two listed texels once, others from this side only. */
-      if (other >= 0 && (r->node[other] < 0 || s < 2)) total += get_pair_cost(r, r->current[texel], r->current[other]);
+      if (other >= 0 && (r->node[other] < 0 || s < 2)) add_pair(r, texel, other, &sum);
     }
   }
-  return total;
+  return sum;
 }
 
-/* Takes over what pays; how much less the sum is then. */
+/* Exchanges the pixels of the nodes that the cut wants to change with those proposed. */
+static void exchange(Resolve *r, int changes) {
+  for (int n = 0; n < changes; n++) {
+    if (!sty_is_on_sink_side(&r->cut, n)) continue;
+    const int texel = r->queue[n];
+    const uint32_t pixel = r->current[texel];
+    r->current[texel] = r->proposal[texel];
+    r->proposal[texel] = pixel;
+  }
+}
+
+/* Takes over what pays, unless shorter ways were to be paid with more jumps; how
+ * much less the sum is then. */
 static int64_t fuse_patch(Resolve *r, int count) {
   int changes = 0;
   for (int q = 0; q < count; q++) {
@@ -314,15 +345,14 @@ static int64_t fuse_patch(Resolve *r, int count) {
       if (other >= 0 && r->node[other] >= 0) add_pair_costs(r, r->queue[n], other);
     }
   }
-  const int64_t before = get_total(r, r->queue, changes);
+  const Sum before = sum_up(r, r->queue, changes);
   if (changes) sty_solve_cut(&r->cut);
-  for (int n = 0; n < changes; n++)
-    if (sty_is_on_sink_side(&r->cut, n)) {
-      r->current[r->queue[n]] = r->proposal[r->queue[n]];
-    }
-  const int64_t after = get_total(r, r->queue, changes);
+  exchange(r, changes);
+  const Sum after = sum_up(r, r->queue, changes);
+  const bool worse = after.jumps > before.jumps;
+  if (worse) exchange(r, changes);
   for (int n = 0; n < changes; n++) r->node[r->queue[n]] = -1;
-  return before - after;
+  return worse ? 0 : before.cost - after.cost;
 }
 
 /* The whole sum. */
