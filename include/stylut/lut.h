@@ -45,6 +45,8 @@ extern "C" {
 #endif
 
 #define STY_MAX_LUT_SIZE 8192
+/* Guide values, found or asked for, lie within this; no search library is ever handed one beyond. */
+#define STY_MAX_GUIDE_VALUE 1000.0f
 
 /* The values of a guide's covered pixels: what engines search. */
 typedef struct StySites {
@@ -57,8 +59,8 @@ typedef struct StySites {
 
 /* Collects the covered pixels of a guide (channels A, normal.X, normal.Y; see
  * guide.h). `name` is for messages. STY_ERROR_INPUT: no covered pixel, or a
- * value that isn't finite or lies outside [-1000, 1000] (the message names the
- * pixel). The caller owns the sites. */
+ * value that isn't finite or lies outside STY_MAX_GUIDE_VALUE (the message names
+ * the pixel). The caller owns the sites. */
 StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error);
 void sty_destroy_sites(StySites **sites);
 
@@ -133,14 +135,16 @@ StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const St
 /* Replaces, within `slack` (0 or more, guide units) above the least distance of
  * each texel, source pixels of an exact table of these sites by others, so that
  * neighbouring texels have neighbouring pixels wherever possible (a pair farther
- * apart than 4 * longer side of the source / longer side of the table is a jump).
- * Deterministic. A table without jumps is left as it is. */
+ * apart than 4 * longer side of the source / longer side of the table, and than 1, is
+ * a jump). Deterministic. Feasible texels have no more jumps than before, and a
+ * table without jumps is left as it is. */
 StyStatus sty_resolve_coherent(StyLut *lut, const StySites *sites, double slack, const StyRun *run, StyError *error);
 
 /* What an engine answers to one guide value, wherever the texels of tables stand:
  * the source pixel, by the tie rule for exact engines, and its distance by the
  * metric. Distances are compared in float, of 8-bit guides too. `options` may be
- * NULL: the defaults. Errors as of sty_build_lut. */
+ * NULL: the defaults. Errors as of sty_build_lut; STY_ERROR_INPUT: a value that isn't
+ * finite or lies outside STY_MAX_GUIDE_VALUE. */
 StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
                          StyMetric metric, const float g[2], const StyRun *run, uint32_t *pixel, float *distance,
                          StyError *error);

@@ -3,13 +3,11 @@
 
 #include "stylut/lut.h"
 
-/* No search library is ever handed a coordinate beyond this. */
-#define LARGEST_VALUE 1000.0f
-
 static StyStatus fail_value(const char *name, const StyImage *guide, size_t pixel, float x, float y, StyError *error) {
-  return sty_fail(
-      error, STY_ERROR_INPUT, "%s: found guide value (%g, %g) at pixel (%zu, %zu), expected finite values within %g",
-      name, (double)x, (double)y, pixel % (size_t)guide->width, pixel / (size_t)guide->width, (double)LARGEST_VALUE);
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "%s: found guide value (%g, %g) at pixel (%zu, %zu), expected finite values within %g", name,
+                  (double)x, (double)y, pixel % (size_t)guide->width, pixel / (size_t)guide->width,
+                  (double)STY_MAX_GUIDE_VALUE);
 }
 
 /* Copies covered pixels; -0 becomes 0. `sites` has room for all. */
@@ -19,7 +17,7 @@ static StyStatus copy_values(const char *name, const StyImage *guide, const floa
   size_t count = 0;
   for (size_t i = 0; i < pixels; i++) {
     if (!(covered[i] > 0)) continue;
-    if (!(fabsf(x[i]) <= LARGEST_VALUE && fabsf(y[i]) <= LARGEST_VALUE))
+    if (!(fabsf(x[i]) <= STY_MAX_GUIDE_VALUE && fabsf(y[i]) <= STY_MAX_GUIDE_VALUE))
       return fail_value(name, guide, i, x[i], y[i], error);
     sites->values[2 * count] = x[i] + 0.0f;
     sites->values[2 * count + 1] = y[i] + 0.0f;
