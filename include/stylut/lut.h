@@ -45,6 +45,8 @@ extern "C" {
 #endif
 
 #define STY_MAX_LUT_SIZE 8192
+/* Guide values, found or asked for, lie within this; no search library is ever handed one beyond. */
+#define STY_MAX_GUIDE_VALUE 1000.0f
 
 /* The values of a guide's covered pixels: what engines search. */
 typedef struct StySites {
@@ -57,8 +59,8 @@ typedef struct StySites {
 
 /* Collects the covered pixels of a guide (channels A, normal.X, normal.Y; see
  * guide.h). `name` is for messages. STY_ERROR_INPUT: no covered pixel, or a
- * value that isn't finite or lies outside [-1000, 1000] (the message names the
- * pixel). The caller owns the sites. */
+ * value that isn't finite or lies outside STY_MAX_GUIDE_VALUE (the message names
+ * the pixel). The caller owns the sites. */
 StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error);
 void sty_destroy_sites(StySites **sites);
 
@@ -134,7 +136,7 @@ StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const St
 typedef struct StyResolveOptions {
   double slack;  /* guide units, 0 or more, above the least distance of each texel */
   bool coherent; /* neighbouring texels on neighbouring pixels: a pair farther apart than 4 * longer side of the
-                    source / longer side of the table is a jump */
+                    source / longer side of the table, and than 1, is a jump */
   /* Guides of frames (A, normal.*): the pixels around which the runtime, with its
    * default threshold, copies the largest pieces into such frames. Together with
    * `coherent` the two are weighed. Both NULL and 0 without frames. */
@@ -144,7 +146,8 @@ typedef struct StyResolveOptions {
 } StyResolveOptions;
 
 /* Replaces source pixels of an exact table of these sites by others within the
- * slack. Deterministic. A table without jumps is left as it is by `coherent`.
+ * slack. Deterministic. `coherent` without frames never adds jumps between feasible
+ * texels, and leaves a table without any as it is.
  * STY_ERROR_INPUT: a guide without the channels. */
 StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOptions *options, const StyRun *run,
                           StyError *error);
@@ -152,7 +155,8 @@ StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOp
 /* What an engine answers to one guide value, wherever the texels of tables stand:
  * the source pixel, by the tie rule for exact engines, and its distance by the
  * metric. Distances are compared in float, of 8-bit guides too. `options` may be
- * NULL: the defaults. Errors as of sty_build_lut. */
+ * NULL: the defaults. Errors as of sty_build_lut; STY_ERROR_INPUT: a value that isn't
+ * finite or lies outside STY_MAX_GUIDE_VALUE. */
 StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
                          StyMetric metric, const float g[2], const StyRun *run, uint32_t *pixel, float *distance,
                          StyError *error);

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "lut/engine.h"
@@ -46,6 +47,9 @@ StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const St
 StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
                          StyMetric metric, const float g[2], const StyRun *run, uint32_t *pixel, float *distance,
                          StyError *error) {
+  if (!(fabsf(g[0]) <= STY_MAX_GUIDE_VALUE && fabsf(g[1]) <= STY_MAX_GUIDE_VALUE))
+    return sty_fail(error, STY_ERROR_INPUT, "guide value: found (%g, %g), expected finite values within %g",
+                    (double)g[0], (double)g[1], (double)STY_MAX_GUIDE_VALUE);
   const StyLutSpec spec = {1, 1, STY_SAMPLE_CENTRE, STY_MAP_XY, metric};
   StySites values = *sites;
   values.levels = NULL; /* the integer measure knows texels' places only */

@@ -23,8 +23,9 @@ void sty_lift(int dims, const float g[2], float out[3]) {
   const float squared = g[0] * g[0] + g[1] * g[1];
   if (squared > 1) {
     const float length = sqrtf(squared);
-    out[0] /= length;
-    out[1] /= length;
+    /* What vanishes may leave a -0, which isn't to be another value than 0. */
+    out[0] = out[0] / length + 0.0f;
+    out[1] = out[1] / length + 0.0f;
   }
   out[2] = sty_get_height(out[0], out[1]);
 }

@@ -4,17 +4,15 @@
 #include "base/memory.h"
 #include "stylut/lut.h"
 
-/* No search library is ever handed a coordinate beyond this. */
-#define LARGEST_VALUE 1000.0f
-
 /* The line for the first value that can't be used. */
 static StyStatus fail_value(const char *name, const StySites *sites, StyError *error) {
   size_t s = 0;
-  while (fabsf(sites->values[2 * s]) <= LARGEST_VALUE && fabsf(sites->values[2 * s + 1]) <= LARGEST_VALUE) s++;
+  while (fabsf(sites->values[2 * s]) <= STY_MAX_GUIDE_VALUE && fabsf(sites->values[2 * s + 1]) <= STY_MAX_GUIDE_VALUE)
+    s++;
   return sty_fail(
       error, STY_ERROR_INPUT, "%s: found guide value (%g, %g) at pixel (%zu, %zu), expected finite values within %g",
       name, (double)sites->values[2 * s], (double)sites->values[2 * s + 1], sites->pixels[s] % (size_t)sites->width,
-      sites->pixels[s] / (size_t)sites->width, (double)LARGEST_VALUE);
+      sites->pixels[s] / (size_t)sites->width, (double)STY_MAX_GUIDE_VALUE);
 }
 
 /* Lists the covered pixels; without a branch, since at a silhouette none would be foreseen. */
@@ -33,7 +31,7 @@ static bool copy_values(const float *x, const float *y, StySites *sites) {
   for (size_t s = 0; s < sites->count; s++) {
     const uint32_t pixel = sites->pixels[s];
     const float vx = x[pixel] + 0.0f, vy = y[pixel] + 0.0f;
-    unusable |= !(fabsf(vx) <= LARGEST_VALUE) | !(fabsf(vy) <= LARGEST_VALUE);
+    unusable |= !(fabsf(vx) <= STY_MAX_GUIDE_VALUE) | !(fabsf(vy) <= STY_MAX_GUIDE_VALUE);
     sites->values[2 * s] = vx;
     sites->values[2 * s + 1] = vy;
   }

@@ -95,7 +95,27 @@ static void test_exact_engines_answer_alike(void **state) {
     }
 }
 
+/* What no library could answer never gets to one. */
+static void test_values_without_an_answer(void **state) {
+  (void)state;
+  static const float bad[] = {NAN, INFINITY, -INFINITY, 1000.001f, -1000.001f, 3e38f};
+  StySites *sites = make_sites(9, 9, 32);
+  for (const StyEngine *engine = sty_engines; engine->name; engine++)
+    for (size_t i = 0; i < 2 * sizeof bad / sizeof *bad; i++) {
+      const float g[2] = {i % 2 ? bad[i / 2] : 0, i % 2 ? 0 : bad[i / 2]};
+      uint32_t pixel = 77;
+      float distance = 77;
+      StyError error = {STY_OK, ""};
+      assert_int_equal(sty_ask_engine(sites, engine, NULL, STY_METRIC_XY, g, NULL, &pixel, &distance, &error),
+                       STY_ERROR_INPUT);
+      assert_non_null(strstr(error.text, "guide value: found ("));
+      assert_true(pixel == 77 && distance == 77);
+    }
+  sty_destroy_sites(&sites);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_engines_answer_alike)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_engines_answer_alike),
+                                     cmocka_unit_test(test_values_without_an_answer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

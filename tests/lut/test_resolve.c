@@ -142,6 +142,60 @@ static void test_noise(void **state) {
   }
 }
 
+/* The longest picture there may be, whose square of a side is beyond an int: the texels' own values lie at its two
+ * ends by turns, and good enough ones at the other. */
+static void test_longest_sides(void **state) {
+  (void)state;
+  enum { SIDE = 65536 };
+  static const int sizes[] = {5, 7, 16};
+  for (int trial = 0; trial < 6; trial++) {
+    const int size = sizes[trial / 2];
+    const StyLutSpec spec = {.width = size, .height = size};
+    StyImage *guide = NULL;
+    assert_int_equal(sty_create_image(trial % 2 ? 1 : SIDE, trial % 2 ? SIDE : 1, 3,
+                                      (const char *const[]){"A", "normal.X", "normal.Y"}, 32, &guide, NULL),
+                     STY_OK);
+    for (int t = 0; t < size * size; t++)
+      for (int end = 0; end < 2; end++) {
+        const int pixel = end ? SIDE - 1 - t : t;
+        float g[2];
+        sty_get_texel_value(&spec, t % size, t / size, g);
+        guide->data[pixel] = 1;
+        guide->data[SIDE + pixel] = g[0];
+        guide->data[2 * SIDE + pixel] = g[1] + (t % 2 == end ? 0 : 0.001f);
+      }
+    Tables t = build(guide, spec, STY_LEVEL);
+    assert_true(count_jumps(t.nearest) > 0.4);
+    assert_true(count_jumps(t.coherent) == 0);
+    expect_within_slack(&t, guide, STY_LEVEL);
+    destroy(&t);
+    sty_destroy_image(&guide);
+  }
+}
+
+/* Each value along a whole column, by angle: shorter ways are to be had here for a few more jumps. */
+static void test_no_more_jumps(void **state) {
+  (void)state;
+  for (int size = 24; size <= 64; size += 8) {
+    StyImage *guide = make_sphere(64);
+    float *a = sty_find_channel(guide, "A"), *x = sty_find_channel(guide, "normal.X"),
+          *y = sty_find_channel(guide, "normal.Y");
+    for (int i = 0; i < 64 * 64; i++) {
+      a[i] = 1;
+      x[i] = (float)(2 * (i % 64) - 63) / 64;
+      y[i] = 0;
+    }
+    for (int map = 0; map < 2; map++) {
+      Tables t =
+          build(guide, (StyLutSpec){size, size, STY_SAMPLE_CENTRE, (StyMap)map, STY_METRIC_ANGLE}, 2 * STY_LEVEL);
+      assert_true(count_jumps(t.coherent) <= count_jumps(t.nearest));
+      expect_within_slack(&t, guide, 2 * STY_LEVEL);
+      destroy(&t);
+    }
+    sty_destroy_image(&guide);
+  }
+}
+
 /* A surface that shows each value many times over must come out far calmer. */
 static void test_calms(void **state) {
   (void)state;
@@ -292,6 +346,8 @@ int main(void) {
       cmocka_unit_test(test_sphere_stays),
       cmocka_unit_test(test_copies),
       cmocka_unit_test(test_noise),
+      cmocka_unit_test(test_longest_sides),
+      cmocka_unit_test(test_no_more_jumps),
       cmocka_unit_test(test_calms),
       cmocka_unit_test(test_frames_choose_the_whole),
       cmocka_unit_test(test_frames_leave_what_nobody_asks),

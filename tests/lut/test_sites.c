@@ -292,6 +292,18 @@ static void test_negative_zero(void **state) {
     sty_free_points(&points);
   }
   sty_destroy_sites(&sites);
+
+  /* Nor does the least float become a zero of another sign when it is shortened. */
+  set_pixel(guide, 0, 1, 0, 900);
+  set_pixel(guide, 1, 1, -0x1p-149f, 900);
+  set_pixel(guide, 2, 1, 0x1p-149f, 900);
+  sites = collect(guide);
+  StyLutSpec spec = SPEC;
+  spec.metric = STY_METRIC_ANGLE;
+  StyPoints points = collapse(sites, &spec);
+  assert_int_equal(points.count, 1);
+  sty_free_points(&points);
+  sty_destroy_sites(&sites);
   sty_destroy_image(&guide);
 }
 
