@@ -34,10 +34,12 @@ typedef struct StyChoice {
 } StyChoice;
 
 /* Squared distance of a pixel from a texel's place, by the metric. */
-float sty_measure_option(const StyChoice *choice, int texel, uint32_t pixel);
-
-/* The same for `count` pixels of a row, from pixel number `begin`. */
-void sty_measure_row(const StyChoice *choice, int texel, size_t begin, int count, float *out);
+static inline float sty_measure_option(const StyChoice *choice, int texel, uint32_t pixel) {
+  const size_t at = (size_t)sty_get_y(pixel) * (size_t)choice->lut->source_width + (size_t)sty_get_x(pixel);
+  float value[3];
+  for (int k = 0; k < choice->dims; k++) value[k] = choice->values[k][at];
+  return sty_square_distance(choice->dims, choice->places + (size_t)choice->dims * (size_t)texel, value);
+}
 
 /* Makes choices coherent (see coherent.c). */
 StyStatus sty_make_coherent(StyChoice *choice, const StyRun *run, StyError *error);

@@ -35,7 +35,7 @@ enum { MOST_REACH = 16 };
 
 typedef struct Fusion {
   StyChoice *choice;
-  double jump;           /* pixels: farther is a jump */
+  int64_t farthest;      /* squared pixels: beyond it is a jump */
   int reach;             /* pixels: how far from a neighbour's pixel a patch looks for its next */
   int32_t *ways;         /* what a way costs, by its length in pixels along x plus along y, up to 2 * jump */
   uint32_t *proposal;    /* per texel: a packed source pixel, or none */
@@ -48,10 +48,9 @@ typedef struct Fusion {
 
 /* ---- costs ----------------------------------------------------------------------- */
 
-/* In double: the longest side's square is beyond an int. */
 static bool is_jump(const Fusion *f, uint32_t p, uint32_t q) {
-  const double dx = sty_get_x(p) - sty_get_x(q), dy = sty_get_y(p) - sty_get_y(q);
-  return dx * dx + dy * dy > f->jump * f->jump;
+  const int64_t dx = sty_get_x(p) - sty_get_x(q), dy = sty_get_y(p) - sty_get_y(q);
+  return dx * dx + dy * dy > f->farthest;
 }
 
 /* The neighbour of a texel in direction s that takes part, or -1. */
@@ -68,13 +67,21 @@ static int32_t get_pair_cost(const Fusion *f, uint32_t p, uint32_t q) {
   return f->ways[abs(sty_get_x(p) - sty_get_x(q)) + abs(sty_get_y(p) - sty_get_y(q))];
 }
 
-/* For a pixel farther than the nearest; `squared` is its distance. Where the slack
- * is so little that rounding hides it, all that it allows is equally good. */
-static int32_t get_excess_cost(const Fusion *f, int texel, float squared) {
+/* What pixels farther than the nearest cost a texel: so much per squared distance above the least. */
+typedef struct Excess {
+  float least, rate;
+} Excess;
+
+static Excess get_excess(const Fusion *f, int texel) {
   const float least = f->choice->lut->errors[texel] * f->choice->lut->errors[texel];
-  const float above = squared - least, room = f->choice->limits[texel] - least;
-  if (!(above > 0 && room > 0)) return 0;
-  return above < room ? (int32_t)(SLACK_COST * (above / room) + 0.5f) : SLACK_COST;
+  const float room = f->choice->limits[texel] - least;
+  /* Where the slack is so little that rounding hides it, all that it allows is equally good. */
+  return (Excess){least, room > 0 ? SLACK_COST / room : 0};
+}
+
+static int32_t get_excess_cost(const Excess *excess, float squared) {
+  const float cost = (squared - excess->least) * excess->rate;
+  return cost > 0 ? cost < SLACK_COST ? (int32_t)(cost + 0.5f) : SLACK_COST : 0;
 }
 
 /* For a pixel that serves frames worse than the best. */
@@ -87,7 +94,8 @@ static int32_t get_service_cost(const Fusion *f, int texel, uint32_t pixel) {
 }
 
 static int32_t get_own_cost(const Fusion *f, int texel, uint32_t pixel) {
-  return get_excess_cost(f, texel, sty_measure_option(f->choice, texel, pixel)) + get_service_cost(f, texel, pixel);
+  const Excess excess = get_excess(f, texel);
+  return get_excess_cost(&excess, sty_measure_option(f->choice, texel, pixel)) + get_service_cost(f, texel, pixel);
 }
 
 /* ---- growing a patch ---------------------------------------------------------- */
@@ -107,14 +115,55 @@ static Around look_around(const Fusion *f, int texel) {
   return around;
 }
 
-/* What a pixel costs toward them; JUMP_COST or more when it is a jump from any. */
-static int32_t get_around_cost(const Fusion *f, const Around *around, uint32_t pixel) {
+/* What a pixel costs toward them, or `most` or more. */
+static int32_t get_around_cost(const Fusion *f, const Around *around, uint32_t pixel, int32_t most) {
   int32_t sum = 0;
-  for (int n = 0; n < around->count && sum < JUMP_COST; n++) sum += get_pair_cost(f, around->pixels[n], pixel);
+  for (int n = 0; n < around->count && sum < most; n++) sum += get_pair_cost(f, around->pixels[n], pixel);
   return sum;
 }
 
-/* The cheapest allowed pixel around `from` that is no jump from any neighbour's, or `sty_no_pixel`. */
+/* Squared distances of a row's pixels from a texel's place; whether any is within
+ * the limit. Without branches, so that it becomes vectors. */
+static bool measure_row(const StyChoice *choice, int texel, size_t begin, int count, float *out) {
+  const float *place = choice->places + (size_t)choice->dims * (size_t)texel, limit = choice->limits[texel];
+  const float *x = choice->values[0] + begin, *y = choice->values[1] + begin;
+  for (int i = 0; i < count; i++) {
+    const float dx = place[0] - x[i], dy = place[1] - y[i];
+    out[i] = dx * dx + dy * dy;
+  }
+  for (int i = 0; choice->dims == 3 && i < count; i++) {
+    const float dz = place[2] - choice->values[2][begin + (size_t)i];
+    out[i] = out[i] + dz * dz;
+  }
+  int any = 0;
+  for (int i = 0; i < count; i++) any |= out[i] <= limit;
+  return any;
+}
+
+/* The cheapest pixel so far of those that a texel may go on with. */
+typedef struct Best {
+  uint32_t pixel;
+  int32_t cost;
+} Best;
+
+static void try_row(const Fusion *f, int texel, const Around *around, int left, int right, int y, Best *best) {
+  const StyChoice *choice = f->choice;
+  const Excess excess = get_excess(f, texel);
+  float distances[2 * MOST_REACH + 1];
+  if (!measure_row(choice, texel, (size_t)y * (size_t)choice->lut->source_width + (size_t)left, right - left,
+                   distances))
+    return;
+  for (int x = left; x < right; x++) {
+    if (!(distances[x - left] <= choice->limits[texel])) continue;
+    const int32_t own = get_excess_cost(&excess, distances[x - left]);
+    const int32_t most = best->cost - own < JUMP_COST ? best->cost - own : JUMP_COST;
+    if (most <= 0) continue;
+    const int32_t toward = get_around_cost(f, around, sty_pack_pixel(x, y), most);
+    if (toward < most) *best = (Best){sty_pack_pixel(x, y), own + toward};
+  }
+}
+
+/* The cheapest allowed pixel around `from` that is no jump from any neighbour's, or none. */
 static uint32_t continue_patch(const Fusion *f, int texel, uint32_t from) {
   const int width = f->choice->lut->source_width, height = f->choice->lut->source_height;
   const int left = sty_get_x(from) > f->reach ? sty_get_x(from) - f->reach : 0;
@@ -122,22 +171,9 @@ static uint32_t continue_patch(const Fusion *f, int texel, uint32_t from) {
   const int right = sty_get_x(from) + f->reach < width ? sty_get_x(from) + f->reach + 1 : width;
   const int bottom = sty_get_y(from) + f->reach < height ? sty_get_y(from) + f->reach + 1 : height;
   const Around around = look_around(f, texel);
-  uint32_t best = sty_no_pixel;
-  int32_t least = INT32_MAX;
-  float distances[2 * MOST_REACH + 1];
-  for (int y = top; y < bottom; y++) {
-    sty_measure_row(f->choice, texel, (size_t)y * (size_t)width + (size_t)left, right - left, distances);
-    for (int x = left; x < right; x++) {
-      if (!(distances[x - left] <= f->choice->limits[texel])) continue;
-      const int32_t own = get_excess_cost(f, texel, distances[x - left]);
-      if (own >= least) continue;
-      const int32_t toward = get_around_cost(f, &around, sty_pack_pixel(x, y));
-      if (toward >= JUMP_COST || own + toward >= least) continue;
-      least = own + toward;
-      best = sty_pack_pixel(x, y);
-    }
-  }
-  return best;
+  Best best = {sty_no_pixel, INT32_MAX};
+  for (int y = top; y < bottom; y++) try_row(f, texel, &around, left, right, y, &best);
+  return best.pixel;
 }
 
 /* Follows the source's surface over the table, texel by texel; how many it took. */
@@ -311,9 +347,10 @@ static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
   const size_t texels = sty_count_texels(&lut->spec);
   const int source = lut->source_width > lut->source_height ? lut->source_width : lut->source_height;
   const int table = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
-  *f = (Fusion){.choice = choice, .jump = 4 * source > table ? 4.0 * source / table : 1};
-  const size_t longest = (size_t)(2 * f->jump);
-  f->reach = f->jump < 2 ? 1 : f->jump > 2 * MOST_REACH ? MOST_REACH : (int)(f->jump / 2);
+  const double jump = 4 * source > table ? 4.0 * source / table : 1;
+  const size_t longest = (size_t)(2 * jump);
+  *f = (Fusion){.choice = choice, .farthest = (int64_t)(jump * jump)};
+  f->reach = jump < 2 ? 1 : jump > 2 * MOST_REACH ? MOST_REACH : (int)(jump / 2);
   f->ways = malloc((longest + 1) * sizeof *f->ways);
   f->proposal = malloc(texels * sizeof *f->proposal);
   f->own = calloc(texels, sizeof *f->own);
@@ -325,8 +362,7 @@ static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
     close_fusion(f);
     return sty_fail_memory(error, "coherent LUT", (double)texels * 115);
   }
-  for (size_t length = 0; length <= longest; length++)
-    f->ways[length] = (int32_t)(STEP_COST * (double)length / f->jump);
+  for (size_t length = 0; length <= longest; length++) f->ways[length] = (int32_t)(STEP_COST * (double)length / jump);
   for (size_t t = 0; t < texels; t++) {
     f->node[t] = -1;
     if (choice->live[t]) f->own[t] = get_own_cost(f, (int)t, choice->current[t]);

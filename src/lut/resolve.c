@@ -81,26 +81,6 @@ static StyStatus open_choice(StyLut *lut, const StySites *sites, double slack, S
   return STY_OK;
 }
 
-float sty_measure_option(const StyChoice *choice, int texel, uint32_t pixel) {
-  const size_t at = (size_t)sty_get_y(pixel) * (size_t)choice->lut->source_width + (size_t)sty_get_x(pixel);
-  float value[3];
-  for (int k = 0; k < choice->dims; k++) value[k] = choice->values[k][at];
-  return sty_square_distance(choice->dims, choice->places + (size_t)choice->dims * (size_t)texel, value);
-}
-
-void sty_measure_row(const StyChoice *choice, int texel, size_t begin, int count, float *out) {
-  const float *place = choice->places + (size_t)choice->dims * (size_t)texel;
-  const float *x = choice->values[0] + begin, *y = choice->values[1] + begin;
-  for (int i = 0; i < count; i++) {
-    const float dx = place[0] - x[i], dy = place[1] - y[i];
-    out[i] = dx * dx + dy * dy;
-  }
-  for (int i = 0; choice->dims == 3 && i < count; i++) {
-    const float dz = place[2] - choice->values[2][begin + (size_t)i];
-    out[i] = out[i] + dz * dz;
-  }
-}
-
 /* ---- what serves frames ------------------------------------------------------- */
 
 typedef struct Job {
