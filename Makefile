@@ -139,7 +139,7 @@ $(USE_RUNTIME): $(BUILD)/exemplars/use_runtime.c.o $(RUNTIME_LIBRARY)
 	$(CC) $(OPTIMIZE_$(config)) $(LDFLAGS) -o $@ $^ -lm
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
-	$(LINK) $(call look_in,../..) -o $@ $^ $(LIBRARIES) -lcmocka
+	$(LINK) $(call look_in,../..) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -lcmocka
 
 # ---- packages ---------------------------------------------------------------
 # $(call missing,PACKAGES): shell text that prints those not installed.
@@ -184,6 +184,17 @@ run-bench: $(TOOL) $(MODULE) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/eng
 
 # The libraries that ours is measured against.
 $(BUILD)/tests/bench/engines: $(BUILD)/tests/bench/peers.cpp.o
+
+# Guides that try to hurt a search, and what is said of them.
+ZOO_OBJECTS = $(call objects,tests/zoo/cases.c tests/zoo/judge.c)
+$(BUILD)/tests/zoo/test_zoo: $(ZOO_OBJECTS)
+$(BUILD)/tests/zoo/zoo: $(ZOO_OBJECTS) $(call objects,tests/zoo/chance.cpp tests/bench/peers.cpp)
+
+.PHONY: zoo run-zoo
+zoo: ensure-bench-packages ## engines and raw libraries on guides that hurt: exemplars/charts/zoo.md
+	@$(MAKE) --no-print-directory run-zoo
+run-zoo: $(BUILD)/tests/zoo/zoo
+	@$< > $(BUILD)/zoo.md && cp $(BUILD)/zoo.md exemplars/charts/.zoo.md && mv exemplars/charts/.zoo.md exemplars/charts/zoo.md
 
 # The pictures and the model that stand in exemplars/, made anew.
 .PHONY: artwork

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <exception>
 #include <nanoflann.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -50,24 +51,39 @@ double run_nanoflann(const float *points, std::size_t count, const float *querie
   for (std::size_t q = 0; q < query_count; q++) {
     unsigned index = 0;
     float distance = 0;
-    tree.knnSearch(queries + 2 * q, 1, &index, &distance);
-    nearest[q] = static_cast<int>(index);
+    nearest[q] = tree.knnSearch(queries + 2 * q, 1, &index, &distance) ? static_cast<int>(index) : -1;
   }
   return watch.get_milliseconds();
 }
 
-double run_flann(const float *points, std::size_t count, const float *queries, std::size_t query_count, int *nearest) {
+double search_flann(const flann::IndexParams &kind, int checks, const float *points, std::size_t count,
+                    const float *queries, std::size_t query_count, int *nearest) {
   std::vector<float> distances(query_count);
   const Watch watch;
-  flann::Index<flann::L2_Simple<float>> index(flann::Matrix<float>(const_cast<float *>(points), count, 2),
-                                              flann::KDTreeSingleIndexParams(leaf_size));
+  flann::Index<flann::L2_Simple<float>> index(flann::Matrix<float>(const_cast<float *>(points), count, 2), kind);
   index.buildIndex();
   flann::Matrix<int> found(nearest, query_count, 1);
   flann::Matrix<float> apart(distances.data(), query_count, 1);
-  flann::SearchParams parameters(-1);
+  flann::SearchParams parameters(checks);
   parameters.cores = 1;
   index.knnSearch(flann::Matrix<float>(const_cast<float *>(queries), query_count, 2), found, apart, 1, parameters);
   return watch.get_milliseconds();
+}
+
+double run_flann(const float *points, std::size_t count, const float *queries, std::size_t query_count, int *nearest) {
+  return search_flann(flann::KDTreeSingleIndexParams(leaf_size), flann::FLANN_CHECKS_UNLIMITED, points, count, queries,
+                      query_count, nearest);
+}
+
+double run_flann_forest(const float *points, std::size_t count, const float *queries, std::size_t query_count,
+                        int *nearest) {
+  return search_flann(flann::KDTreeIndexParams(4), 32, points, count, queries, query_count, nearest);
+}
+
+double run_flann_linear(const float *points, std::size_t count, const float *queries, std::size_t query_count,
+                        int *nearest) {
+  return search_flann(flann::LinearIndexParams(), flann::FLANN_CHECKS_UNLIMITED, points, count, queries, query_count,
+                      nearest);
 }
 
 double run_cgal(const float *points, std::size_t count, const float *queries, std::size_t query_count, int *nearest) {
@@ -101,6 +117,14 @@ double guard(Peer *run, const float *points, std::size_t count, const float *que
 
 }  // namespace
 
+const char *get_nanoflann_version() {
+  /* 0xABC is A.B.C. */
+  static const std::string version = std::to_string(NANOFLANN_VERSION >> 8) + "." +
+                                     std::to_string(NANOFLANN_VERSION >> 4 & 15) + "." +
+                                     std::to_string(NANOFLANN_VERSION & 15);
+  return version.c_str();
+}
+
 double search_with_nanoflann(const float *points, size_t count, const float *queries, size_t query_count,
                              int *nearest) {
   return guard(run_nanoflann, points, count, queries, query_count, nearest);
@@ -108,6 +132,16 @@ double search_with_nanoflann(const float *points, size_t count, const float *que
 
 double search_with_flann(const float *points, size_t count, const float *queries, size_t query_count, int *nearest) {
   return guard(run_flann, points, count, queries, query_count, nearest);
+}
+
+double search_with_flann_forest(const float *points, size_t count, const float *queries, size_t query_count,
+                                int *nearest) {
+  return guard(run_flann_forest, points, count, queries, query_count, nearest);
+}
+
+double search_with_flann_linear(const float *points, size_t count, const float *queries, size_t query_count,
+                                int *nearest) {
+  return guard(run_flann_linear, points, count, queries, query_count, nearest);
 }
 
 double search_with_cgal(const float *points, size_t count, const float *queries, size_t query_count, int *nearest) {
