@@ -5,6 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "bridge/exr.h"
 #include "bridge/jpeg.h"
 #include "stylut/image_io.h"
 
@@ -32,6 +33,7 @@ StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   const StyImageCodec *c;
   StyStatus status = get_codec(&c, error);
   if (!status) status = sty_check_jpeg(path, error);
+  if (!status) status = sty_check_exr(path, error);
   return status ? status : c->read(path, out, error);
 }
 

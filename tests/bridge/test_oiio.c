@@ -366,6 +366,52 @@ static void test_absurd_exr(void **state) {
   sty_destroy_image(&image);
 }
 
+/* OpenEXR would make room for an attribute before it sees that the file hasn't got it. */
+static void test_absurd_attributes(void **state) {
+  Scratch *scratch = *state;
+  StyImage *image = make_noise(2, 2, 4, RGBA, 32);
+  size_t size;
+  write_out(path_in(scratch, "a.exr"), image);
+  unsigned char *bytes = read_bytes(scratch->path, &size);
+  static const char attribute[] = "channels\0chlist";
+  const unsigned char *found = memmem(bytes, size, attribute, sizeof attribute);
+  assert_non_null(found);
+  unsigned char *length = bytes + (found - bytes) + sizeof attribute;
+  const uint32_t claims[] = {0x70000000, 0x7FFFFFFF, 0xFFFFFFFF, (uint32_t)(bytes + size - length) - 3};
+  for (size_t i = 0; i < sizeof claims / sizeof *claims; i++) {
+    put_little_endian(length, claims[i]);
+    write_bytes(scratch, "a.exr", bytes, size);
+    StyImage *back = NULL;
+    StyError error = {STY_OK, ""};
+    expect_message(sty_read_image(scratch->path, &back, &error), STY_ERROR_INPUT, &error, PARTS("a.exr", "header"));
+  }
+  free(bytes);
+  sty_destroy_image(&image);
+}
+
+/* The bytes say what a file is, not its name; formats that aren't ours are refused even where OpenImageIO reads them.
+ */
+static void test_names_and_signatures(void **state) {
+  Scratch *scratch = *state;
+  StyImage *image = make_noise(3, 2, 3, RGBA, 8);
+  size_t size;
+  write_out(path_in(scratch, "a.png"), image);
+  unsigned char *bytes = read_bytes(scratch->path, &size);
+  static const char *const names[] = {"a.exr", "a.tga", "a.jpg", "a.hdr", "a.tif", "a"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    StyImage *back = read_back(write_bytes(scratch, names[i], bytes, size));
+    assert_true(same_pixels(image, back, 1));
+    sty_destroy_image(&back);
+  }
+  static const char pixmap[] = "P6 1 1 255\nabc";
+  StyImage *back = NULL;
+  StyError error = {STY_OK, ""};
+  expect_message(sty_read_image(write_bytes(scratch, "a.ppm", pixmap, sizeof pixmap - 1), &back, &error),
+                 STY_ERROR_INPUT, &error, PARTS("a.ppm", "found no readable picture", "PNG"));
+  free(bytes);
+  sty_destroy_image(&image);
+}
+
 static void test_not_a_picture(void **state) {
   Scratch *scratch = *state;
   static const char *const names[] = {"a.png", "a.exr", "a.tif", "a.jpg", "a.tga", "a.hdr", "a.xyz", "a"};
@@ -525,6 +571,8 @@ int main(void) {
       scratch_test(test_flipped_bytes),
       scratch_test(test_absurd_png),
       scratch_test(test_absurd_exr),
+      scratch_test(test_absurd_attributes),
+      scratch_test(test_names_and_signatures),
       scratch_test(test_not_a_picture),
       scratch_test(test_unreadable_places),
       scratch_test(test_unwritable_pictures),
