@@ -314,8 +314,7 @@ const char *clean_text(const char *text) {
   static int next;
   char *buffer = buffers[next++ % 8];
   snprintf(buffer, sizeof buffers[0], "%s", text);
-  for (char *c = buffer; *c; c++)
-    if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+  sty_clean_text(buffer);
   return buffer;
 }
 
