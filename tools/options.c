@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "stylut/file.h"
@@ -283,12 +282,6 @@ void end_progress(const Options *options) {
 }
 
 /* ---- reports ---- */
-
-double get_milliseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
 
 /* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
 double get_peak_bytes(void) {
