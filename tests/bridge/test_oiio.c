@@ -366,27 +366,32 @@ static void test_absurd_exr(void **state) {
   sty_destroy_image(&image);
 }
 
-/* OpenEXR would make room for an attribute before it sees that the file hasn't got it. */
-static void test_absurd_attributes(void **state) {
-  Scratch *scratch = *state;
-  StyImage *image = make_noise(2, 2, 4, RGBA, 32);
+/* Readers would make room for a part before they see that the file hasn't got it. */
+static void expect_absurd_lengths(Scratch *scratch, const char *name, const char *before, size_t before_size,
+                                  int distance, void (*put)(unsigned char *at, uint32_t value)) {
+  StyImage *image = make_noise(2, 2, 4, RGBA, strstr(name, ".exr") ? 32 : 8);
   size_t size;
-  write_out(path_in(scratch, "a.exr"), image);
+  write_out(path_in(scratch, name), image);
   unsigned char *bytes = read_bytes(scratch->path, &size);
-  static const char attribute[] = "channels\0chlist";
-  const unsigned char *found = memmem(bytes, size, attribute, sizeof attribute);
+  const unsigned char *found = memmem(bytes, size, before, before_size);
   assert_non_null(found);
-  unsigned char *length = bytes + (found - bytes) + sizeof attribute;
+  unsigned char *length = bytes + (found - bytes) + distance;
   const uint32_t claims[] = {0x70000000, 0x7FFFFFFF, 0xFFFFFFFF, (uint32_t)(bytes + size - length) - 3};
   for (size_t i = 0; i < sizeof claims / sizeof *claims; i++) {
-    put_little_endian(length, claims[i]);
-    write_bytes(scratch, "a.exr", bytes, size);
+    put(length, claims[i]);
+    write_bytes(scratch, name, bytes, size);
     StyImage *back = NULL;
     StyError error = {STY_OK, ""};
-    expect_message(sty_read_image(scratch->path, &back, &error), STY_ERROR_INPUT, &error, PARTS("a.exr", "header"));
+    expect_message(sty_read_image(scratch->path, &back, &error), STY_ERROR_INPUT, &error,
+                   PARTS(name, "reaches beyond the file"));
   }
   free(bytes);
   sty_destroy_image(&image);
+}
+
+static void test_absurd_lengths(void **state) {
+  expect_absurd_lengths(*state, "a.exr", "channels\0chlist", 16, 16, put_little_endian);
+  expect_absurd_lengths(*state, "a.png", "IDAT", 4, -4, put_big_endian);
 }
 
 /* The bytes say what a file is, not its name; formats that aren't ours are refused even where OpenImageIO reads them.
@@ -571,7 +576,7 @@ int main(void) {
       scratch_test(test_flipped_bytes),
       scratch_test(test_absurd_png),
       scratch_test(test_absurd_exr),
-      scratch_test(test_absurd_attributes),
+      scratch_test(test_absurd_lengths),
       scratch_test(test_names_and_signatures),
       scratch_test(test_not_a_picture),
       scratch_test(test_unreadable_places),

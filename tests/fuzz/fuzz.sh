@@ -10,7 +10,6 @@ shift 2
 here=$(cd "$(dirname "$0")" && pwd)
 export TMPDIR=$build/fuzz/tmp
 mkdir -p "$TMPDIR" "$build/fuzz/crashes"
-export ASAN_OPTIONS=detect_odr_violation=0 # as in tests/run.sh
 export UBSAN_OPTIONS=print_stacktrace=1
 
 failed=0
@@ -22,6 +21,7 @@ for target in "$@"; do
   # OpenImageIO's own leaks aren't told from ours without the slow unwinder; replays have that.
   leaks=1
   [ "$name" != picture ] || leaks=0
+  export ASAN_OPTIONS=detect_leaks=$leaks:detect_odr_violation=0 # the latter as in tests/run.sh
   if "$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -detect_leaks=$leaks \
     -artifact_prefix="$build/fuzz/crashes/$name-" "$found" "$here/corpus/$name" >"$log" 2>&1; then
     printf 'ok    %s: %s inputs, %s\n' "$name" "$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")" \

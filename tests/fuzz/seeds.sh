@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes the seed-* files of the corpus, small things that our own tool writes.
+# Makes the seed-* files of the corpus: small things that our own tool writes, a
+# few of them turned into other formats by oiiotool.
 # Usage: seeds.sh STYLUT. Files are listed in no other place: what a crash left
 # behind has another name and stays.
 set -euo pipefail
@@ -60,6 +61,8 @@ done
 
 # Tables as files, and a guide.
 cp sphere.exr "$corpus/picture/seed-guide.exr"
+for ending in tif tga hdr jpg; do oiiotool -q sphere.png --ch R,G,B -o "$corpus/picture/seed-guide.$ending"; done
+oiiotool -q sphere.exr --tile 16 16 -o "$corpus/picture/seed-tiles.exr"
 "$stylut" lut -q --no-history sphere.exr -s 4 -o "$corpus/picture/seed-f32.exr"
 for encoding in rg16 rg8x2 rg8; do
   "$stylut" lut -q --no-history sphere.exr -s 4 --encoding $encoding -o "$corpus/picture/seed-$encoding.png"
