@@ -396,7 +396,8 @@ static double time_engine(const StyEngine *engine, const StySites *sites, int th
   StyError error;
   StyLut *lut = NULL;
   const double start = sty_get_milliseconds();
-  require(sty_build_lut(sites, engine, NULL, &(StyLutSpec){.size = TABLE}, &run, &lut, &error), &error);
+  require(sty_build_lut(sites, engine, NULL, &(StyLutSpec){.width = TABLE, .height = TABLE}, &run, &lut, &error),
+          &error);
   const double time = sty_get_milliseconds() - start;
   sty_destroy_lut(&lut);
   return time;
@@ -409,14 +410,15 @@ static double time_flann(const StySites *sites, int threads) {
   const size_t texels = (size_t)TABLE * TABLE;
   float *queries = allocate(2 * texels * sizeof *queries), *distances = allocate(texels * sizeof *distances), speedup;
   int *found = allocate(texels * sizeof *found);
-  require(sty_create_lut(TABLE, STY_SAMPLE_CENTRE, sites->width, sites->height, &lut, &error), &error);
+  const StyLutSpec spec = {.width = TABLE, .height = TABLE};
+  require(sty_create_lut(&spec, sites->width, sites->height, &lut, &error), &error);
   const double start = sty_get_milliseconds();
   struct FLANNParameters parameters = DEFAULT_FLANN_PARAMETERS;
   parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
   parameters.leaf_max_size = 10;
   parameters.cores = threads;
   parameters.log_level = FLANN_LOG_NONE;
-  for (size_t t = 0; t < texels; t++) sty_get_texel_value(lut, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
+  for (size_t t = 0; t < texels; t++) sty_get_texel_value(&spec, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
   flann_index_t index = flann_build_index_float(sites->values, (int)sites->count, 2, &speedup, &parameters);
   if (!index || flann_find_nearest_neighbors_index_float(index, queries, (int)texels, found, distances, 1, &parameters))
     fail("FLANN fails on %zu points", sites->count);
@@ -480,7 +482,8 @@ static double time_pack_parts(const StyManifest *manifest) {
   require(sty_find_engine("bench", style->lut_engine, &engine, &error), &error);
   StyImage *guide = make_sphere(side);
   StySites *sites = collect_sites(guide);
-  require(sty_build_lut(sites, engine, style->lut_size, STY_SAMPLE_UNORM8, NULL, &lut, &error), &error);
+  const StyLutSpec spec = {.width = style->lut_size, .height = style->lut_size, .sampling = STY_SAMPLE_UNORM8};
+  require(sty_build_lut(sites, engine, NULL, &spec, NULL, &lut, &error), &error);
   const double time = sty_get_milliseconds() - start;
   sty_destroy_lut(&lut);
   sty_destroy_sites(&sites);
