@@ -55,7 +55,9 @@ static size_t skip_text(const unsigned char *data, size_t size, size_t at) {
   return end ? (size_t)(end - data) + 1 : size;
 }
 
-/* Past the list of attributes that begins at `at`; `size` when it doesn't end before. */
+/* Past the list of attributes that begins at `at`; `size` when it doesn't end before.
+ * OpenEXR goes by the types where they have a size of their own: damage is found
+ * here, not malice. */
 static size_t skip_attributes(const unsigned char *data, size_t size, size_t at) {
   while (at < size && data[at]) {
     at = skip_text(data, size, skip_text(data, size, at));
