@@ -23,7 +23,7 @@ for target in "$@"; do
   [ "$name" != picture ] || leaks=0
   export ASAN_OPTIONS=detect_leaks=$leaks:detect_odr_violation=0 # the latter as in tests/run.sh
   # An EXR whose attributes are longer or shorter than they say can still have OpenEXR ask for 2 GB.
-  if "$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4096 -print_final_stats=1 -detect_leaks=$leaks \
+  if "$target" -max_total_time="$seconds" -timeout=60 -rss_limit_mb=4096 -print_final_stats=1 -detect_leaks=$leaks \
     -artifact_prefix="$build/fuzz/crashes/$name-" "$found" "$here/corpus/$name" >"$log" 2>&1; then
     printf 'ok    %s: %s inputs, %s\n' "$name" "$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")" \
       "$(grep -o 'cov: [0-9]* ft: [0-9]*' "$log" | tail -n 1)"
