@@ -6,7 +6,7 @@ static void check_style(const StyManifestStyle *style) {
   require(*style->name && *style->exemplar && *style->guide && *style->lut_engine);
   require(!style->lut_file || *style->lut_file);
   require(style->lut_sampling || style->lut_file);
-  require(style->lut_size >= 2 && style->lut_size <= 8192);
+  require(style->lut_size >= 2 && style->lut_size <= STY_MAX_LUT_SIDE);
   require(style->parameters.threshold >= 0 && style->parameters.threshold <= STY_MAX_THRESHOLD);
   require(style->parameters.top_level >= 0 && style->parameters.top_level <= STY_MAX_LEVEL);
   require(style->parameters.radius >= 0 && style->parameters.radius <= STY_MAX_RADIUS);
