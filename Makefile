@@ -5,6 +5,7 @@ VERSION = 0.1.0
 
 config ?= release
 CGAL ?= 1
+FUZZ_SECONDS ?= 60
 prefix ?= /usr/local
 bindir = $(prefix)/bin
 libdir = $(prefix)/lib
@@ -37,8 +38,11 @@ OPTIMIZE_sanitize = -O1 -g -DSTY_DEBUG -fsanitize=address,undefined -fno-sanitiz
   -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 OPTIMIZE_scalar = -O2 -fno-tree-vectorize
 OPTIMIZE_coverage = -O0 -g --coverage
+# For clang alone: `make fuzz` sees to that. As vptr, function would want the C++ runtime.
+OPTIMIZE_fuzz = $(OPTIMIZE_sanitize) -fsanitize=fuzzer-no-link,float-cast-overflow \
+  -fno-sanitize-recover=float-cast-overflow -fno-sanitize=function
 ifeq ($(OPTIMIZE_$(config)),)
-$(error config=$(config) is unknown; expected release, debug, sanitize, scalar or coverage)
+$(error config=$(config) is unknown; expected release, debug, sanitize, scalar, coverage or fuzz)
 endif
 
 # A folder per configuration and compiler, so that none ever mixes with another.
@@ -73,6 +77,7 @@ PAINT = $(BUILD)/paint
 CREATURE = $(BUILD)/creature
 USE_RUNTIME = $(BUILD)/use_runtime
 TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
+FUZZERS = $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 
 .DELETE_ON_ERROR:
 # Objects of tests and programs are kept, too.
@@ -141,6 +146,14 @@ $(USE_RUNTIME): $(BUILD)/exemplars/use_runtime.c.o $(RUNTIME_LIBRARY)
 $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
 	$(LINK) $(call look_in,../..) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -lcmocka
 
+# Fuzz targets take what they are fed from libFuzzer in config=fuzz, else from files.
+$(FUZZERS): $(BUILD)/tests/fuzz/files.c.o
+ifeq ($(config),fuzz)
+$(FUZZERS): private LDFLAGS += -fsanitize=fuzzer
+else
+$(FUZZERS): $(BUILD)/tests/fuzz/replay.c.o
+endif
+
 # ---- packages ---------------------------------------------------------------
 # $(call missing,PACKAGES): shell text that prints those not installed.
 missing = for p in $(1); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || printf '%s ' $$p; done
@@ -172,8 +185,14 @@ run-demo: $(TOOL) $(MODULE)
 .PHONY: test run-tests
 test: ensure-test-packages ## run every test (under 15 minutes on two cores)
 	@$(MAKE) --no-print-directory run-tests
-run-tests: all $(TESTS) $(PAINT) $(BUILD)/tests/pack/write_ktx2
+run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
+
+.PHONY: fuzz run-fuzz
+fuzz: ensure-test-packages ## feed every reader made-up files, FUZZ_SECONDS=60 each; with clang
+	@$(MAKE) --no-print-directory config=fuzz CC=clang CXX=clang++ run-fuzz
+run-fuzz: $(FUZZERS)
+	@tests/fuzz/fuzz.sh $(BUILD) $(FUZZ_SECONDS) $(FUZZERS)
 
 .PHONY: bench
 bench: ensure-bench-packages ## speed and memory beside a reference in the same run
@@ -240,7 +259,7 @@ clean: ## remove build/
 
 .PHONY: help
 help: ## this list
-	@echo 'make [TARGET] [config=release|debug|sanitize|scalar|coverage] [CGAL=0] [CC=clang] [prefix=DIR] [DESTDIR=DIR]'
+	@echo 'make [TARGET] [config=release|debug|sanitize|scalar|coverage|fuzz] [CGAL=0] [CC=clang] [prefix=DIR] [DESTDIR=DIR]'
 	@sed -n 's/^\([a-z][a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile | expand -t 14
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

@@ -68,6 +68,12 @@ run_script() {
 run_script runtime/purity env CC="$CC" CXX="$CXX" "$here/runtime/test_purity.sh" "$build/libstylut_rt.a" "$config"
 run_script pack/ktx-parse "$here/pack/ktx_parse.sh" "$build"
 run_script include/headers env CC="$CC" CXX="$CXX" "$here/include/test_headers.sh"
+# Files that fuzzing began with or that crashed something once; libFuzzer itself would never end.
+for source in "$here"/fuzz/fuzz_*.c; do
+  name=$(basename "$source" .c)
+  name=${name#fuzz_}
+  [ "$config" = fuzz ] || run_script "fuzz/$name" "$build/tests/fuzz/fuzz_$name" "$here/fuzz/corpus/$name"
+done
 
 # The real binary, through bats.
 export STYLUT=$build/stylut STYLUT_BUILD=$build STYLUT_CONFIG=$config STYLUT_ROOT=$root

@@ -42,7 +42,7 @@ for folder in "${!may[@]}"; do
 done
 grep -rnE '#include "(base|bridge|scene|guide|lut|audit|pack|runtime)/' tools && complain "tools include public headers only"
 
-mapfile -t text < <(git ls-files --cached --others --exclude-standard | grep -vE '\.(png|ply)$')
+mapfile -t text < <(git ls-files --cached --others --exclude-standard | grep -vE '\.(png|ply)$|^tests/fuzz/corpus/')
 grep -nP '\t' "${sources[@]}" && complain "tabs in sources"
 grep -nE '[[:blank:]]+$' "${text[@]}" && complain "trailing blanks"
 grep -nP '[^\x00-\x7F]' "${sources[@]}" && complain "characters beyond ASCII in sources"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "stylut/file.h"
@@ -284,12 +283,6 @@ void end_progress(const Options *options) {
 
 /* ---- reports ---- */
 
-double get_milliseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
-
 /* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
 double get_peak_bytes(void) {
   FILE *stream = fopen("/proc/self/status", "r");
@@ -314,8 +307,7 @@ const char *clean_text(const char *text) {
   static int next;
   char *buffer = buffers[next++ % 8];
   snprintf(buffer, sizeof buffers[0], "%s", text);
-  for (char *c = buffer; *c; c++)
-    if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+  sty_clean_text(buffer);
   return buffer;
 }
 

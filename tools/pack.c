@@ -10,6 +10,8 @@
 #include "options.h"
 #include "stylut/image_io.h"
 
+_Static_assert(STY_MAX_LUT_SIDE == STY_MAX_LUT_SIZE, "a bundle holds every square table there can be");
+
 typedef struct Arguments {
   Options options;
   const char *manifest;

@@ -54,6 +54,12 @@ static inline size_t sty_count_pixels(const StyImage *image) { return (size_t)im
 /* The plane of the channel of this name, or NULL. Names compare exactly. */
 float *sty_find_channel(const StyImage *image, const char *name);
 
+/* The place of a pixel along a side as an integer, round((pixel+1/2)/side*maximum),
+ * and back: value*side/maximum rounded down, at most side-1. Exact for sides below
+ * the maximum. */
+uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum);
+uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum);
+
 /* RGBA bytes, 4 * width * height, of an 8- or 16-bit picture: 1 channel is
  * grey, 2 are grey and alpha, 3 are R G B, 4 are R G B A in this order; alpha is 255
  * where there is none; 16 bits are rounded to 8. STY_ERROR_INPUT for float

@@ -167,14 +167,9 @@ StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const S
  *   rg8x2  8 bit, R G = high and low byte of the 16-bit u, B A = of v
  *   rg8    8 bit, R = u, G = v, B = 0: what older plugins use; loses precision
  *          for sources of 255 pixels and more
- * Integers are round(u*M) with M = 255 or 65535; read back as value*W/M rounded
- * down, at most W-1. */
+ * Integers are those of sty_encode_coordinate with a maximum of 255 or 65535. */
 typedef enum StyEncoding { STY_ENCODE_F32, STY_ENCODE_RG16, STY_ENCODE_RG8X2, STY_ENCODE_RG8 } StyEncoding;
 extern const char *const sty_encoding_names[];
-
-/* One coordinate there and back. */
-uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum);
-uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum);
 
 /* The table as an image to be written, with attributes that say what it is. */
 StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out, StyError *error);

@@ -1,4 +1,4 @@
-/* How long work is run: threads and progress. */
+/* How long work is run: threads, progress, and the time it takes. */
 #ifndef STYLUT_PARALLEL_H
 #define STYLUT_PARALLEL_H
 
@@ -18,6 +18,9 @@ typedef struct StyRun {
 
 /* The number of threads `run` (NULL: one per core) asks for. */
 int sty_get_threads(const StyRun *run);
+
+/* Milliseconds of a clock that only goes forward; what counts is the difference. */
+double sty_get_milliseconds(void);
 
 /* Calls body(context, i, error) for every i in 0..count-1, in any order, on the
  * threads of `run`. Which thread does what must not change the result. Returns

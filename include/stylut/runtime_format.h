@@ -33,6 +33,7 @@ enum {
 #define STY_MAX_RADIUS 8      /* blend radius, pixels */
 #define STY_MAX_THRESHOLD 766 /* above every possible error (3 * 255) */
 #define STY_MAX_SOURCE_SIDE 32768
+#define STY_MAX_LUT_SIDE 8192
 
 /* Parameters: texel (style-1, row), components R G B A.
  * row 0: threshold, top level, blend radius, depth tolerance (scene units; 0 = off)

@@ -32,6 +32,10 @@ typedef struct StyError {
  * with `return sty_fail(error, STY_ERROR_INPUT, "%s: ...", path);`. */
 StyStatus sty_fail(StyError *error, StyStatus status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Replaces control characters by '?': file names may hold anything, and a
+ * terminal must not obey it. */
+void sty_clean_text(char *text);
+
 /* Out of memory, said in one way: `what` names what the memory was for. */
 StyStatus sty_fail_memory(StyError *error, const char *what, double bytes);
 

@@ -68,11 +68,21 @@ static StyStatus visit_frames(const Case *c, void (*visit)(const Case *c, const 
   return STY_OK;
 }
 
-static void count_demand(const Case *c, const float g[2], void *context) {
+static void count_demand(const Case *c, const float g[2], void *counts) {
   int at[2];
-  (void)context;
   sty_find_texel(&c->lut->spec, g, at);
-  c->maps->weights[get_texel(&c->lut->spec, at)]++;
+  ((uint64_t *)counts)[get_texel(&c->lut->spec, at)]++;
+}
+
+/* How often the frames ask for each texel. Counted in integers: a float ends at 2^24. */
+static StyStatus weigh_demand(const Case *c, StyError *error) {
+  const size_t texels = sty_count_texels(&c->lut->spec);
+  uint64_t *counts = calloc(texels, sizeof *counts);
+  if (!counts) return sty_fail_memory(error, "audit", (double)texels * sizeof *counts);
+  const StyStatus status = visit_frames(c, count_demand, counts, error);
+  for (size_t t = 0; t < texels; t++) c->maps->weights[t] = (float)counts[t];
+  free(counts);
+  return status;
 }
 
 /* Fills maps->weights: what each texel counts; infeasible ones are NAN, the sum is 1. */
@@ -80,7 +90,7 @@ static StyStatus weigh_texels(const Case *c, StyError *error) {
   const StyLutSpec *spec = &c->lut->spec;
   float *weights = c->maps->weights;
   if (c->options->weights == STY_WEIGHT_FRAMES) {
-    const StyStatus status = visit_frames(c, count_demand, NULL, error);
+    const StyStatus status = weigh_demand(c, error);
     if (status) return status;
   }
   double sum = 0;

@@ -50,6 +50,15 @@ float *sty_find_channel(const StyImage *image, const char *name) {
   return NULL;
 }
 
+uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum) {
+  return (uint32_t)(((2 * (uint64_t)pixel + 1) * maximum + side) / (2 * (uint64_t)side));
+}
+
+uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum) {
+  const uint64_t pixel = (uint64_t)value * side / maximum;
+  return pixel < side ? (uint32_t)pixel : side - 1;
+}
+
 StyStatus sty_convert_to_rgba8(const char *name, const StyImage *image, uint8_t *out, StyError *error) {
   if (image->bits > 16 || image->channel_count > 4)
     return sty_fail(error, STY_ERROR_INPUT,

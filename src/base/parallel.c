@@ -1,10 +1,17 @@
 #include "stylut/parallel.h"
 
 #include <omp.h>
+#include <time.h>
 
 int sty_get_threads(const StyRun *run) {
   const int threads = run && run->threads > 0 ? run->threads : omp_get_num_procs();
   return threads < 1 ? 1 : threads;
+}
+
+double sty_get_milliseconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
 StyStatus sty_parallel_for(const StyRun *run, long count, StyStatus (*body)(void *context, long i, StyError *error),

@@ -4,6 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
+void sty_clean_text(char *text) {
+  for (char *c = text; *c; c++)
+    if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+}
+
 StyStatus sty_fail(StyError *error, StyStatus status, const char *format, ...) {
   if (!error) return status;
   /* The arguments may well be the text of this very error. */
@@ -12,9 +17,7 @@ StyStatus sty_fail(StyError *error, StyStatus status, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
-  /* File names may hold anything; a terminal must not obey it. */
-  for (char *c = text; *c; c++)
-    if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+  sty_clean_text(text);
   memcpy(error->text, text, sizeof text);
   error->status = status;
   return status;

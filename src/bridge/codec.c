@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "bridge/jpeg.h"
+#include "bridge/whole.h"
 #include "stylut/image_io.h"
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -31,7 +31,7 @@ static StyStatus get_codec(const StyImageCodec **out, StyError *error) {
 StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   const StyImageCodec *c;
   StyStatus status = get_codec(&c, error);
-  if (!status) status = sty_check_jpeg(path, error);
+  if (!status) status = sty_check_whole(path, error);
   return status ? status : c->read(path, out, error);
 }
 

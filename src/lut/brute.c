@@ -1,23 +1,38 @@
+#include <math.h>
+
 #include "lut/engine.h"
 
+/* Minima side by side, which compilers turn into vectors without being asked; a
+ * single one they mustn't, or won't. */
+enum { LANES = 16 };
+
 static double scan_levels(const StyPoints *points, const StyQuery *query) {
-  double best = sty_measure_point(points, 0, query);
-#pragma omp simd reduction(min : best)
-  for (size_t p = 1; p < points->count; p++) {
-    const double distance = sty_square_steps(&points->measure, query, points->levels + 2 * p);
-    best = distance < best ? distance : best;
-  }
-  return best;
+  double best[LANES];
+  size_t p = 0;
+  for (int k = 0; k < LANES; k++) best[k] = INFINITY;
+  for (; p + LANES <= points->count; p += LANES)
+    for (size_t k = 0; k < LANES; k++) {
+      const double distance = sty_square_steps(&points->measure, query, points->levels + 2 * (p + k));
+      best[k] = distance < best[k] ? distance : best[k];
+    }
+  for (; p < points->count; p++)
+    best[0] = fmin(best[0], sty_square_steps(&points->measure, query, points->levels + 2 * p));
+  for (int k = 1; k < LANES; k++) best[0] = fmin(best[0], best[k]);
+  return best[0];
 }
 
 static float scan_values(int dims, const float *values, size_t count, const float *at) {
-  float best = sty_square_distance(dims, at, values);
-#pragma omp simd reduction(min : best)
-  for (size_t p = 1; p < count; p++) {
-    const float distance = sty_square_distance(dims, at, values + (size_t)dims * p);
-    best = distance < best ? distance : best;
-  }
-  return best;
+  float best[LANES];
+  size_t p = 0;
+  for (int k = 0; k < LANES; k++) best[k] = INFINITY;
+  for (; p + LANES <= count; p += LANES)
+    for (size_t k = 0; k < LANES; k++) {
+      const float distance = sty_square_distance(dims, at, values + (size_t)dims * (p + k));
+      best[k] = distance < best[k] ? distance : best[k];
+    }
+  for (; p < count; p++) best[0] = fminf(best[0], sty_square_distance(dims, at, values + (size_t)dims * p));
+  for (int k = 1; k < LANES; k++) best[0] = fminf(best[0], best[k]);
+  return best[0];
 }
 
 size_t sty_scan_points(const StyPoints *points, const StyQuery *query) {

@@ -10,16 +10,6 @@ const char *const sty_encoding_names[] = {"f32", "rg16", "rg8x2", "rg8", NULL};
 
 static const uint32_t max16 = 65535, max8 = 255;
 
-uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum) {
-  /* round((pixel + 1/2) / side * maximum), in integers */
-  return (uint32_t)(((2 * (uint64_t)pixel + 1) * maximum + side) / (2 * (uint64_t)side));
-}
-
-uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum) {
-  const uint64_t pixel = (uint64_t)value * side / maximum;
-  return pixel < side ? (uint32_t)pixel : side - 1;
-}
-
 /* The four byte- or short-sized values of a texel under an integer encoding. */
 static void pack_texel(StyEncoding encoding, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t v[4]) {
   const uint32_t maximum = encoding == STY_ENCODE_RG8 ? max8 : max16;

@@ -43,7 +43,7 @@ static StyStatus read_lut(const StyDocument *document, const StyPath *style_path
   if (is_file) out->lut_sampling = NULL;
   StyStatus status = sty_check_keys(document, &path, lut, is_file ? file_only : known, error);
   if (!status) status = sty_get_string(document, &path, lut, "file", 0, &out->lut_file, error);
-  if (!status) status = sty_get_integer(document, &path, lut, "size", 2, 8192, &out->lut_size, error);
+  if (!status) status = sty_get_integer(document, &path, lut, "size", 2, STY_MAX_LUT_SIDE, &out->lut_size, error);
   if (!status) status = sty_get_string(document, &path, lut, "engine", 0, &out->lut_engine, error);
   if (!status) status = sty_get_string(document, &path, lut, "sampling", 0, &out->lut_sampling, error);
   if (!status) status = sty_get_string(document, &path, lut, "resolve", 0, &resolve, error);

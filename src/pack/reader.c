@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "pack/seal.h"
+#include "stylut/image.h"
 #include "stylut/pack.h"
 #include "stylut/parse.h"
 
@@ -137,11 +138,9 @@ static void check_luts(Report *report, const StyBundle *bundle) {
   for (uint32_t layer = 0; layer < luts->layers; layer++) {
     const unsigned char *lut = luts->texels + layer * texels * 4, *guide = guides->texels + layer * pixels * 4;
     size_t background = 0;
-    for (size_t t = 0; t < texels; t++) {
-      const uint64_t u = lut[4 * t] | lut[4 * t + 1] << 8, v = lut[4 * t + 2] | lut[4 * t + 3] << 8;
-      size_t x = (size_t)(u * guides->width / 65535), y = (size_t)(v * guides->height / 65535);
-      if (x >= guides->width) x = guides->width - 1;
-      if (y >= guides->height) y = guides->height - 1;
+    for (size_t t = 0; t < texels; t++, lut += 4) {
+      const size_t x = sty_decode_coordinate((uint32_t)(lut[0] | lut[1] << 8), guides->width, 65535);
+      const size_t y = sty_decode_coordinate((uint32_t)(lut[2] | lut[3] << 8), guides->height, 65535);
       background += guide[4 * (y * guides->width + x) + 3] == 0;
     }
     if (background)

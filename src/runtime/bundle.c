@@ -98,7 +98,7 @@ StyRuntimeStatus sty_open_texture(StyBlob file, uint32_t format, StyTexture *out
 static bool has_right_shape(int file, const StyTexture *texture) {
   if (texture->width > STY_MAX_SOURCE_SIDE || texture->height > STY_MAX_SOURCE_SIDE) return false;
   switch (file) {
-    case STY_BUNDLE_LUTS: return texture->width == texture->height;
+    case STY_BUNDLE_LUTS: return texture->width == texture->height && texture->width <= STY_MAX_LUT_SIDE;
     case STY_BUNDLE_PARAMS:
       return texture->width <= STY_MAX_STYLES && texture->height == STY_PARAM_ROWS && texture->layers == 1;
     case STY_BUNDLE_JITTER: return texture->width == STY_JITTER_SIZE && texture->height == STY_JITTER_SIZE;

@@ -713,6 +713,33 @@ static void test_frames_that_ask_for_one_texel(void **state) {
   sty_destroy_image(&guide);
 }
 
+/* More pixels than a float can count one by one: 17 frames of 2^20 ask for one texel, one frame for another. */
+static void test_many_frames(void **state) {
+  (void)state;
+  enum { FRAMES = 18, SIDE = 1024 };
+  if (CASES(false, true)) skip(); /* takes 700 MB */
+  StyImage *guide = make_guide(2, 1, (const float[]){1, 0.5f, 0.5f, 1, -0.5f, 0.5f});
+  StyLut *lut = build(guide, 2, STY_SAMPLE_CENTRE);
+  float *values = malloc(SIDE * SIDE * 3 * sizeof *values);
+  assert_non_null(values);
+  const StyImage *frames[FRAMES];
+  for (int f = 0; f < 2; f++) {
+    for (size_t i = 0; i < SIDE * SIDE; i++) memcpy(values + 3 * i, (const float[]){1, f ? -0.5f : 0.5f, 0.5f}, 12);
+    frames[f] = make_guide(SIDE, SIDE, values);
+  }
+  for (int f = 2; f < FRAMES; f++) frames[f] = frames[1];
+  StyAuditMaps maps;
+  audit_by(lut, lut, guide, (StyAuditOptions){.weights = STY_WEIGHT_FRAMES, .frames = frames, .frame_count = FRAMES}, 1,
+           &maps);
+  expect_near((double)maps.weights[0], 17.0 / 18, 1e-6, "weight");
+  expect_near((double)maps.weights[1], 1.0 / 18, 1e-6, "weight");
+  sty_free_audit_maps(&maps);
+  free(values);
+  for (int f = 0; f < 2; f++) sty_destroy_image((StyImage **)&frames[f]);
+  sty_destroy_lut(&lut);
+  sty_destroy_image(&guide);
+}
+
 /* ---- options ------------------------------------------------------------------------ */
 
 static void test_defaults_and_overrides(void **state) {
@@ -927,6 +954,7 @@ int main(void) {
       cmocka_unit_test(test_flat_guide_is_unstable),
       cmocka_unit_test(test_weights),
       cmocka_unit_test(test_frames_that_ask_for_one_texel),
+      cmocka_unit_test(test_many_frames),
       cmocka_unit_test(test_defaults_and_overrides),
       cmocka_unit_test(test_threads),
       cmocka_unit_test(test_what_does_not_fit),

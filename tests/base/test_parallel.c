@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -121,11 +122,25 @@ static void test_progress(void **state) {
   }
 }
 
+/* Between a sleep and what surrounds it by another clock. */
+static void test_clock(void **state) {
+  (void)state;
+  struct timespec outer[2];
+  clock_gettime(CLOCK_MONOTONIC, &outer[0]);
+  const double begin = sty_get_milliseconds();
+  usleep(3000);
+  const double inner = sty_get_milliseconds() - begin;
+  clock_gettime(CLOCK_MONOTONIC, &outer[1]);
+  assert_true(inner >= 3);
+  assert_true(inner <= difftime(outer[1].tv_sec, outer[0].tv_sec) * 1e3 +
+                           (double)(outer[1].tv_nsec - outer[0].tv_nsec) * 1e-6 + 1e-3);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_threads),        cmocka_unit_test(test_every_item_once),
       cmocka_unit_test(test_lowest_failure), cmocka_unit_test(test_last_item_fails),
-      cmocka_unit_test(test_progress),
+      cmocka_unit_test(test_progress),       cmocka_unit_test(test_clock),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,6 +44,9 @@ static void test_control_characters(void **state) {
     StyError error;
     sty_fail(&error, STY_ERROR_FILE, "%s", name);
     assert_int_equal(strlen(error.text), 3);
+    char text[] = {'a', (char)c, 'b', 0};
+    sty_clean_text(text);
+    assert_string_equal(text, error.text);
     const int shown = (unsigned char)error.text[1];
     if (c < 32 || c == 127) {
       assert_int_equal(shown, '?');

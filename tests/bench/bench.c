@@ -17,7 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "stylut/guide.h"
@@ -73,12 +72,6 @@ typedef struct Series {
   double values[LARGEST_RUNS];
   int count;
 } Series;
-
-static double get_milliseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
 
 static void add_value(Series *series, double value) { series->values[series->count++] = value; }
 
@@ -137,12 +130,12 @@ static double run_program(const char *const *arguments, const char *output) {
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, output, O_WRONLY | O_CREAT | O_TRUNC, 0644);
   pid_t child;
   int status = -1;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   if (posix_spawn(&child, arguments[0], &actions, NULL, (char *const *)arguments, environ) != 0)
     fail("%s does not start", arguments[0]);
   if (waitpid(child, &status, 0) != child || status != 0)
     fail("%s %s: found status %d, expected success", arguments[0], arguments[1], status);
-  const double time = get_milliseconds() - start;
+  const double time = sty_get_milliseconds() - start;
   posix_spawn_file_actions_destroy(&actions);
   return time;
 }
@@ -238,9 +231,9 @@ static StyStatus trace_bare_tile(void *context, long tile, StyError *error) {
 /* Milliseconds. */
 static double trace_bare(Bare *bare, int threads) {
   const StyRun run = {.threads = threads};
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   require(sty_parallel_for(&run, COLUMNS * ROWS, trace_bare_tile, bare, NULL), NULL);
-  return get_milliseconds() - start;
+  return sty_get_milliseconds() - start;
 }
 
 /* ---- section: guide ---- */
@@ -294,9 +287,9 @@ static void time_guide(const StyScene *scene, const StyCamera *camera, unsigned 
   StyError error;
   StyTraceTimes parts;
   StyImage *guide = NULL;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   require(sty_trace_guide(scene, camera, &options, &run, &parts, &guide, &error), &error);
-  add_value(&times->call, get_milliseconds() - start);
+  add_value(&times->call, sty_get_milliseconds() - start);
   add_value(&times->rays, parts.trace_ms);
   compare_hits(bare, guide);
   sty_destroy_image(&guide);
@@ -313,10 +306,10 @@ static void bench_rays(const char *what, const StyScene *scene, const StyCamera 
   for (int g = 0; g < 2; g++) require(sty_parse_channels("bench", lists[g], &groups[g], NULL), NULL);
   bare.camera = camera;
   for (int run = 0; run < RUNS; run++) {
-    const double start = get_milliseconds();
+    const double start = sty_get_milliseconds();
     build_bare(&bare, scene);
     add_value(&rays, trace_bare(&bare, threads));
-    add_value(&call, get_milliseconds() - start);
+    add_value(&call, sty_get_milliseconds() - start);
     for (int g = 0; g < 2; g++) time_guide(scene, camera, groups[g], threads, &bare, &times[g]);
     release_bare(&bare);
   }
@@ -335,7 +328,7 @@ static void bench_rays(const char *what, const StyScene *scene, const StyCamera 
 /* Mesh to distances without a picture. */
 static double run_bare(const char *mesh) {
   static Bare bare;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   StyScene *scene = read_creature(mesh);
   const StyCamera camera = fit_camera(scene);
   bare.camera = &camera;
@@ -343,7 +336,7 @@ static double run_bare(const char *mesh) {
   trace_bare(&bare, 0);
   release_bare(&bare);
   sty_destroy_scene(&scene);
-  return get_milliseconds() - start;
+  return sty_get_milliseconds() - start;
 }
 
 /* The whole command, from process start to the picture in its place. */
@@ -402,9 +395,10 @@ static double time_engine(const StyEngine *engine, const StySites *sites, int th
   const StyRun run = {.threads = threads};
   StyError error;
   StyLut *lut = NULL;
-  const double start = get_milliseconds();
-  require(sty_build_lut(sites, engine, NULL, &(StyLutSpec){.size = TABLE}, &run, &lut, &error), &error);
-  const double time = get_milliseconds() - start;
+  const double start = sty_get_milliseconds();
+  require(sty_build_lut(sites, engine, NULL, &(StyLutSpec){.width = TABLE, .height = TABLE}, &run, &lut, &error),
+          &error);
+  const double time = sty_get_milliseconds() - start;
   sty_destroy_lut(&lut);
   return time;
 }
@@ -416,20 +410,21 @@ static double time_flann(const StySites *sites, int threads) {
   const size_t texels = (size_t)TABLE * TABLE;
   float *queries = allocate(2 * texels * sizeof *queries), *distances = allocate(texels * sizeof *distances), speedup;
   int *found = allocate(texels * sizeof *found);
-  require(sty_create_lut(TABLE, STY_SAMPLE_CENTRE, sites->width, sites->height, &lut, &error), &error);
-  const double start = get_milliseconds();
+  const StyLutSpec spec = {.width = TABLE, .height = TABLE};
+  require(sty_create_lut(&spec, sites->width, sites->height, &lut, &error), &error);
+  const double start = sty_get_milliseconds();
   struct FLANNParameters parameters = DEFAULT_FLANN_PARAMETERS;
   parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
   parameters.leaf_max_size = 10;
   parameters.cores = threads;
   parameters.log_level = FLANN_LOG_NONE;
-  for (size_t t = 0; t < texels; t++) sty_get_texel_value(lut, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
+  for (size_t t = 0; t < texels; t++) sty_get_texel_value(&spec, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
   flann_index_t index = flann_build_index_float(sites->values, (int)sites->count, 2, &speedup, &parameters);
   if (!index || flann_find_nearest_neighbors_index_float(index, queries, (int)texels, found, distances, 1, &parameters))
     fail("FLANN fails on %zu points", sites->count);
   for (size_t t = 0; t < texels; t++) lut->pixels[t] = sites->pixels[found[t]];
   flann_free_index_float(index, &parameters);
-  const double time = get_milliseconds() - start;
+  const double time = sty_get_milliseconds() - start;
   sty_destroy_lut(&lut);
   free(queries);
   free(distances);
@@ -471,7 +466,7 @@ static void bench_lut(const Paths *paths) {
 /* What can't be spared: each picture decoded once, one table built. */
 static double time_pack_parts(const StyManifest *manifest) {
   StyError error;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   int side = 0;
   for (int i = 0; i < manifest->style_count; i++) {
     char *path = join(manifest->folder, manifest->styles[i].exemplar);
@@ -487,8 +482,9 @@ static double time_pack_parts(const StyManifest *manifest) {
   require(sty_find_engine("bench", style->lut_engine, &engine, &error), &error);
   StyImage *guide = make_sphere(side);
   StySites *sites = collect_sites(guide);
-  require(sty_build_lut(sites, engine, style->lut_size, STY_SAMPLE_UNORM8, NULL, &lut, &error), &error);
-  const double time = get_milliseconds() - start;
+  const StyLutSpec spec = {.width = style->lut_size, .height = style->lut_size, .sampling = STY_SAMPLE_UNORM8};
+  require(sty_build_lut(sites, engine, NULL, &spec, NULL, &lut, &error), &error);
+  const double time = sty_get_milliseconds() - start;
   sty_destroy_lut(&lut);
   sty_destroy_sites(&sites);
   sty_destroy_image(&guide);
@@ -548,9 +544,9 @@ static StyStatus blend_tile(void *context, long i, StyError *error) {
 static double time_tiles(Stylizing *work, StyStatus (*tile)(void *context, long i, StyError *error), int threads) {
   const StyRun run = {.threads = threads};
   StyError error;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   require(sty_parallel_for(&run, STYLIZE_TILES, tile, work, &error), &error);
-  return get_milliseconds() - start;
+  return sty_get_milliseconds() - start;
 }
 
 /* A height field of waves that leaves no pixel bare; its slopes reach about 60 degrees. */

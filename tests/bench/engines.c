@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "lut/engine.h"
 #include "peers.h"
@@ -17,12 +16,6 @@
 #include "stylut/image_io.h"
 
 enum { RUNS = 5 };
-
-static double get_milliseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
 
 static void require(StyStatus status, const StyError *error) {
   if (!status) return;
@@ -136,10 +129,10 @@ static double time_grid(const StyImage *guide, int size, int threads, StyLut **o
   StySites *sites = NULL;
   sty_destroy_lut(out);
   require(sty_find_engine("bench", "grid", &engine, &error), &error);
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   require(sty_collect_sites("guide", guide, &sites, &error), &error);
   require(sty_build_lut(sites, engine, NULL, &spec, &run, out, &error), &error);
-  const double time = get_milliseconds() - start;
+  const double time = sty_get_milliseconds() - start;
   sty_destroy_sites(&sites);
   return time;
 }

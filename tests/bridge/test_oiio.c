@@ -366,6 +366,57 @@ static void test_absurd_exr(void **state) {
   sty_destroy_image(&image);
 }
 
+/* Readers would make room for a part before they see that the file hasn't got it. */
+static void expect_absurd_lengths(Scratch *scratch, const char *name, const char *before, size_t before_size,
+                                  int distance, void (*put)(unsigned char *at, uint32_t value)) {
+  StyImage *image = make_noise(2, 2, 4, RGBA, strstr(name, ".exr") ? 32 : 8);
+  size_t size;
+  write_out(path_in(scratch, name), image);
+  unsigned char *bytes = read_bytes(scratch->path, &size);
+  const unsigned char *found = memmem(bytes, size, before, before_size);
+  assert_non_null(found);
+  unsigned char *length = bytes + (found - bytes) + distance;
+  const uint32_t claims[] = {0x70000000, 0x7FFFFFFF, 0xFFFFFFFF, (uint32_t)(bytes + size - length) - 3};
+  for (size_t i = 0; i < sizeof claims / sizeof *claims; i++) {
+    put(length, claims[i]);
+    write_bytes(scratch, name, bytes, size);
+    StyImage *back = NULL;
+    StyError error = {STY_OK, ""};
+    expect_message(sty_read_image(scratch->path, &back, &error), STY_ERROR_INPUT, &error,
+                   PARTS(name, "reaches beyond the file"));
+  }
+  free(bytes);
+  sty_destroy_image(&image);
+}
+
+static void test_absurd_lengths(void **state) {
+  expect_absurd_lengths(*state, "a.exr", "channels\0chlist", 16, 16, put_little_endian);
+  expect_absurd_lengths(*state, "a.png", "IDAT", 4, -4, put_big_endian);
+}
+
+/* The bytes say what a file is, not its name; formats that aren't ours are refused even where OpenImageIO reads them.
+ */
+static void test_names_and_signatures(void **state) {
+  Scratch *scratch = *state;
+  StyImage *image = make_noise(3, 2, 3, RGBA, 8);
+  size_t size;
+  write_out(path_in(scratch, "a.png"), image);
+  unsigned char *bytes = read_bytes(scratch->path, &size);
+  static const char *const names[] = {"a.exr", "a.tga", "a.jpg", "a.hdr", "a.tif", "a"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    StyImage *back = read_back(write_bytes(scratch, names[i], bytes, size));
+    assert_true(same_pixels(image, back, 1));
+    sty_destroy_image(&back);
+  }
+  static const char pixmap[] = "P6 1 1 255\nabc";
+  StyImage *back = NULL;
+  StyError error = {STY_OK, ""};
+  expect_message(sty_read_image(write_bytes(scratch, "a.ppm", pixmap, sizeof pixmap - 1), &back, &error),
+                 STY_ERROR_INPUT, &error, PARTS("a.ppm", "found no readable picture", "PNG"));
+  free(bytes);
+  sty_destroy_image(&image);
+}
+
 static void test_not_a_picture(void **state) {
   Scratch *scratch = *state;
   static const char *const names[] = {"a.png", "a.exr", "a.tif", "a.jpg", "a.tga", "a.hdr", "a.xyz", "a"};
@@ -525,6 +576,8 @@ int main(void) {
       scratch_test(test_flipped_bytes),
       scratch_test(test_absurd_png),
       scratch_test(test_absurd_exr),
+      scratch_test(test_absurd_lengths),
+      scratch_test(test_names_and_signatures),
       scratch_test(test_not_a_picture),
       scratch_test(test_unreadable_places),
       scratch_test(test_unwritable_pictures),

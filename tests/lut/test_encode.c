@@ -21,36 +21,6 @@ static StyLut *make_table(int size, int sampling, int width, int height, uint64_
   return lut;
 }
 
-static void test_coordinates(void **state) {
-  (void)state;
-  /* 16 bit is exact for every source side that a bundle may have. */
-  static const uint32_t sides[] = {1,   2,   3,   5,    17,   100,  254,  255,   256,
-                                   257, 511, 512, 1000, 1023, 4096, 5000, 16384, 32768};
-  for (size_t s = 0; s < sizeof sides / sizeof *sides; s++) {
-    const uint32_t side = sides[s];
-    for (uint32_t p = 0; p < side; p++) {
-      const uint32_t word = sty_encode_coordinate(p, side, 65535), byte = sty_encode_coordinate(p, side, 255);
-      assert_int_equal(word, (uint32_t)floor((p + 0.5) / side * 65535 + 0.5));
-      assert_true(byte <= 255);
-      assert_int_equal(sty_decode_coordinate(word, side, 65535), p);
-      const int64_t back = sty_decode_coordinate(byte, side, 255), off = llabs(back - (int64_t)p);
-      if (side < 255) assert_int_equal(off, 0);
-      /* A byte is a 255th of the side, half of it either way, and what rounding down adds. */
-      assert_true(off <= (int64_t)(side / 510 + 1));
-    }
-    assert_int_equal(sty_decode_coordinate(0, side, 65535), 0);
-    assert_int_equal(sty_decode_coordinate(65535, side, 65535), side - 1);
-    assert_int_equal(sty_decode_coordinate(255, side, 255), side - 1);
-  }
-  /* The two roundings, for every word and a few sides: floor(v*W/M), at most W-1. */
-  static const uint32_t few[] = {1, 3, 100, 512, 32767, 32768, 65536};
-  for (size_t s = 0; s < sizeof few / sizeof *few; s++)
-    for (uint64_t v = 0; v <= 65535; v++) {
-      const uint64_t pixel = v * few[s] / 65535;
-      assert_int_equal(sty_decode_coordinate((uint32_t)v, few[s], 65535), pixel < few[s] ? pixel : few[s] - 1);
-    }
-}
-
 static void test_names(void **state) {
   (void)state;
   assert_string_equal(sty_encoding_names[STY_ENCODE_F32], "f32");
@@ -388,7 +358,6 @@ static void test_mangled_attributes(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_coordinates),
       cmocka_unit_test(test_names),
       cmocka_unit_test(test_round_trips),
       cmocka_unit_test(test_foreign_words),
