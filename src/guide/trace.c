@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "guide/channels.h"
 #include "scene/vector.h"
 #include "stylut/version.h"
@@ -274,12 +274,6 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
   return STY_OK;
 }
 
-static double get_milliseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
-
 StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                           const StyRun *run, StyTraceTimes *times, StyImage **out, StyError *error) {
   Tracer tracer = {0};
@@ -287,9 +281,9 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
   StyStatus status = check_camera(camera, error);
   if (status != STY_OK) return status;
 
-  const double begin = get_milliseconds();
+  const double begin = sty_get_milliseconds();
   status = build_tracer(&tracer, scene, error);
-  const double built = get_milliseconds();
+  const double built = sty_get_milliseconds();
   render.tree = tracer.scene;
   if (status == STY_OK)
     status = sty_create_guide(options->width, options->height, options->groups, &render.guide, error);
@@ -300,7 +294,7 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
     sty_destroy_image(&render.guide.image);
     return status;
   }
-  if (times) *times = (StyTraceTimes){.build_ms = built - begin, .trace_ms = get_milliseconds() - built};
+  if (times) *times = (StyTraceTimes){.build_ms = built - begin, .trace_ms = sty_get_milliseconds() - built};
   *out = render.guide.image;
   return STY_OK;
 }
