@@ -127,6 +127,7 @@ $(BUILD)/%.cpp.o: %.cpp Makefile $(STAMP)
 
 # What the assembler brings in, see there.
 $(BUILD)/src/audit/html.c.o: src/audit/report.html src/audit/report.css src/audit/report.js
+$(BUILD)/tools/bench.c.o: exemplars/charts/bench.csv
 
 # Programs of one or a few sources beside the tool.
 PAINT_SOURCES = $(wildcard exemplars/paint.c exemplars/paint/*.c)

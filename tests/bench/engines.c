@@ -9,20 +9,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "lut/engine.h"
 #include "peers.h"
+#include "stylut/chart.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 
 enum { RUNS = 5 };
-
-static double get_milliseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
 
 static void require(StyStatus status, const StyError *error) {
   if (!status) return;
@@ -116,16 +111,10 @@ static StyImage *read_guide(const char *folder, const char *name) {
 
 /* ---- times -------------------------------------------------------------------- */
 
-static int compare(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static double get_median(const double times[RUNS]) {
   double sorted[RUNS];
   memcpy(sorted, times, sizeof sorted);
-  qsort(sorted, RUNS, sizeof *sorted, compare);
-  return sorted[RUNS / 2];
+  return sty_find_median(sorted, RUNS);
 }
 
 static double time_grid(const StyImage *guide, int size, int threads, StyLut **out) {
@@ -136,10 +125,10 @@ static double time_grid(const StyImage *guide, int size, int threads, StyLut **o
   StySites *sites = NULL;
   sty_destroy_lut(out);
   require(sty_find_engine("bench", "grid", &engine, &error), &error);
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   require(sty_collect_sites("guide", guide, &sites, &error), &error);
   require(sty_build_lut(sites, engine, NULL, &spec, &run, out, &error), &error);
-  const double time = get_milliseconds() - start;
+  const double time = sty_get_milliseconds() - start;
   sty_destroy_sites(&sites);
   return time;
 }
