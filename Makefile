@@ -26,7 +26,7 @@ AR ?= ar
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils
 BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev
 STYLE_PACKAGES = clang-format shellcheck
 
@@ -132,6 +132,7 @@ $(BUILD)/%.cpp.o: %.cpp Makefile $(STAMP)
 
 # What the assembler brings in, see there.
 $(BUILD)/src/audit/html.c.o: src/audit/report.html src/audit/report.css src/audit/report.js
+$(BUILD)/tools/bench.c.o: exemplars/charts/bench.csv
 
 # Programs of one or a few sources beside the tool.
 PAINT_SOURCES = $(wildcard exemplars/paint.c exemplars/paint/*.c)
@@ -226,6 +227,13 @@ artwork: $(PAINT) $(CREATURE) ## repaint the exemplars and mesh the creature aga
 .PHONY: pictures
 pictures: demo ## refresh the pictures that the README shows
 	@exemplars/pictures.sh build/demo exemplars/pictures $(TOOL)
+
+# Speed against accuracy; an idle machine, please. Other projects' guides join in where they are.
+.PHONY: charts run-charts
+charts: ensure-test-packages ## measure and draw exemplars/charts anew, but for its bench.csv
+	@$(MAKE) --no-print-directory run-charts
+run-charts: $(TOOL) $(MODULE)
+	@exemplars/charts.sh $(TOOL) exemplars/charts $(wildcard $(or $(STYLUT_DATA),../shared/data))
 
 .PHONY: style
 style: ## formatting, includes, shell scripts

@@ -18,7 +18,7 @@ declare -A may=(
   [scene]="status image parse parallel file json image_io version scene"
   [guide]="status image parse parallel file json image_io version scene guide"
   [lut]="status image parse parallel file json version lut"
-  [audit]="status image parse parallel file json lut audit compare probe report"
+  [audit]="status image parse parallel file json lut audit chart compare probe report"
   [pack]="status image parse parallel file json ktx2 pack runtime runtime_format"
   [runtime]="runtime runtime_format"
 )
@@ -30,7 +30,7 @@ for folder in "${!may[@]}"; do
   done < <(grep -rhoE --include='*.[ch]' --include='*.cpp' --with-filename '"stylut/[a-z0-9_]+\.h"' "src/$folder" | tr -d '"')
   while IFS=: read -r file header; do
     case $folder in
-      scene | guide) near='bridge|scene' ;;
+      scene | guide) near='base|bridge|scene' ;;
       lut) near='base|bridge' ;; # CGAL's tree
       audit) near='base|lut' ;;
       pack) near='base' ;;

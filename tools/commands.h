@@ -14,5 +14,7 @@ StyStatus run_info(int argc, char **argv);
 StyStatus run_validate(int argc, char **argv);
 StyStatus run_compare(int argc, char **argv);
 StyStatus run_probe(int argc, char **argv);
+StyStatus run_chart(int argc, char **argv);
+StyStatus run_bench(int argc, char **argv);
 
 #endif

@@ -169,9 +169,9 @@ static StyStatus render(Arguments *arguments, Account *account, StyImage **out) 
     return sty_make_sphere_guide(arguments->width, arguments->height, arguments->groups, out, error);
   StyScene *scene = NULL;
   StyCamera camera;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   StyStatus status = sty_read_mesh(arguments->mesh, &arguments->mesh_options, &scene, error);
-  account->read_ms = get_milliseconds() - start;
+  account->read_ms = sty_get_milliseconds() - start;
   if (!status) status = sty_fit_camera(scene, &arguments->view, arguments->width, arguments->height, &camera, error);
   if (!status) {
     const StyTraceOptions trace = {arguments->width, arguments->height, arguments->groups, arguments->flat};
@@ -232,9 +232,9 @@ static StyStatus run(Arguments *arguments) {
   if (!status) {
     const float *covered = sty_find_channel(guide, "A");
     for (size_t i = 0; i < sty_count_pixels(guide); i++) account.covered += covered[i] > 0;
-    const double start = get_milliseconds();
+    const double start = sty_get_milliseconds();
     status = write_guide(arguments, guide);
-    account.write_ms = get_milliseconds() - start;
+    account.write_ms = sty_get_milliseconds() - start;
   }
   sty_destroy_image(&guide);
   if (!status) status = print_report(arguments, &account, &arguments->options.error);

@@ -332,13 +332,13 @@ static StyStatus build(const Arguments *arguments, const Inputs *inputs, const S
 }
 
 static StyStatus open_inputs(const Arguments *arguments, Inputs *out, Account *account, StyError *error) {
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   StyStatus status = read_guide(arguments->guide, &out->guide, error);
   if (!status) status = read_frames(&arguments->frames, out->frames, error);
-  const double read = get_milliseconds();
+  const double read = sty_get_milliseconds();
   if (!status) status = sty_collect_sites(arguments->guide, out->guide, &out->sites, error);
   account->times[0] = read - start;
-  account->times[1] = get_milliseconds() - read;
+  account->times[1] = sty_get_milliseconds() - read;
   return status;
 }
 
@@ -358,16 +358,16 @@ static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account 
     return report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s", arguments->size,
                           arguments->size, inputs->sites->count, arguments->engine->name);
   StyLut *lut = NULL;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   status = build(arguments, inputs, &spec, &lut, error);
-  const double built = get_milliseconds();
+  const double built = sty_get_milliseconds();
   account->times[1] += built - start;
   if (!status) {
     account->points = inputs->sites->count;
     account->unique = lut->unique;
     measure_errors(lut, account);
     status = write_lut(arguments, lut, error);
-    account->times[2] = get_milliseconds() - built;
+    account->times[2] = sty_get_milliseconds() - built;
   }
   sty_destroy_lut(&lut);
   return status ? status : print_report(arguments, account, error);

@@ -269,14 +269,14 @@ StyRun begin_progress(const Options *options, const char *stage) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
   const bool wanted = options->progress == PROGRESS_BAR || options->progress == PROGRESS_JSON ||
                       (options->progress == PROGRESS_AUTO && terminal && !options->quiet);
-  bar = (Bar){stage, options->progress == PROGRESS_JSON, -1, get_milliseconds()};
+  bar = (Bar){stage, options->progress == PROGRESS_JSON, -1, sty_get_milliseconds()};
   return (StyRun){options->threads, wanted ? show_progress : NULL, &bar};
 }
 
 void end_progress(const Options *options) {
   if (bar.shown >= 0 && !bar.json) fprintf(stderr, "\r\033[K");
   if (options->verbose)
-    fprintf(stderr, "stylut: %s took %.1f ms on %d threads\n", bar.stage, get_milliseconds() - bar.start,
+    fprintf(stderr, "stylut: %s took %.1f ms on %d threads\n", bar.stage, sty_get_milliseconds() - bar.start,
             sty_get_threads(&(StyRun){.threads = options->threads}));
   bar.shown = -1;
 }

@@ -62,9 +62,6 @@ StyStatus finish_command(Options *options, StyStatus status);
 StyRun begin_progress(const Options *options, const char *stage);
 void end_progress(const Options *options);
 
-/* The library's clock by a shorter name. */
-static inline double get_milliseconds(void) { return sty_get_milliseconds(); }
-
 /* Largest resident memory of this process so far, bytes. */
 double get_peak_bytes(void);
 

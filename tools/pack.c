@@ -366,7 +366,7 @@ static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
 static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   static uint8_t jitter[2 * STY_JITTER_SIZE * STY_JITTER_SIZE];
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   StyManifest manifest;
   StyStatus status = sty_read_manifest(arguments->manifest, &manifest, error);
   if (status) return status;
@@ -381,7 +381,7 @@ static StyStatus run(Arguments *arguments) {
   if (!status && writer) status = sty_commit_bundle(&writer, jitter, index, error);
   sty_discard_bundle(&writer);
   json_decref(index);
-  if (!status) status = print_report(arguments, &manifest, get_milliseconds() - start, error);
+  if (!status) status = print_report(arguments, &manifest, sty_get_milliseconds() - start, error);
   sty_close_manifest(&manifest);
   return status;
 }

@@ -278,15 +278,15 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
 
 static StyStatus stylize(const Arguments *arguments, Work *work, Account *account, StyError *error) {
   StyRun run = begin_progress(&arguments->options, "transfer");
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   StyStatus status = sty_parallel_for(&run, count_tiles(&work->frame), transfer_tile, work, error);
-  const double transferred = get_milliseconds();
+  const double transferred = sty_get_milliseconds();
   end_progress(&arguments->options);
   run = begin_progress(&arguments->options, "blend");
   if (!status) status = sty_parallel_for(&run, count_tiles(&work->frame), blend_tile, work, error);
   end_progress(&arguments->options);
   account->times[2] = transferred - start;
-  account->times[3] = get_milliseconds() - transferred;
+  account->times[3] = sty_get_milliseconds() - transferred;
   for (size_t i = 0; !status && i < (size_t)work->frame.width * (size_t)work->frame.height; i++) {
     account->covered += work->matches[i].level != STY_LEVEL_NONE;
     account->fallback += work->matches[i].level == STY_LEVEL_FALLBACK;
@@ -306,10 +306,10 @@ static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   Account account = {0};
   StyLoadedBundle bundle;
-  const double start = get_milliseconds();
+  const double start = sty_get_milliseconds();
   StyStatus status = sty_load_bundle(arguments->bundle, NULL, NULL, &bundle, error);
   if (status) return status;
-  const double loaded = get_milliseconds();
+  const double loaded = sty_get_milliseconds();
   Work work = {.bundle = &bundle.bundle, .bits = arguments->bits};
   StyImage *guide = NULL;
   status = read_guide(arguments->guide, &guide, error);
@@ -318,14 +318,14 @@ static StyStatus run(Arguments *arguments) {
   if (!status) status = fill_frame(&work, guide, error);
   sty_destroy_image(&guide);
   account.times[0] = loaded - start;
-  account.times[1] = get_milliseconds() - loaded;
+  account.times[1] = sty_get_milliseconds() - loaded;
   if (!status && arguments->options.dry_run) {
     status = report_dry_run(&arguments->options, "%dx%d pixels", work.frame.width, work.frame.height);
   } else if (!status) {
     status = stylize(arguments, &work, &account, error);
-    const double before = get_milliseconds();
+    const double before = sty_get_milliseconds();
     if (!status) status = write_pictures(arguments, &work, error);
-    account.times[4] = get_milliseconds() - before;
+    account.times[4] = sty_get_milliseconds() - before;
     if (!status) status = print_report(arguments, &work, &account, error);
   }
   destroy_work(&work);

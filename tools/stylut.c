@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "machine.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 #include "stylut/lut.h"
@@ -20,11 +21,13 @@ static const Command commands[] = {
     {"probe", "send one guide value through a table, step by step", run_probe},
     {"check", "audit a table and hold it to budgets", run_check},
     {"report", "show the audit of a table as a page with maps and charts", run_report},
+    {"chart", "draw speed against accuracy over engines, sizes, maps and encodings", run_chart},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
     {"info", "say what a file or bundle holds", run_info},
     {"validate", "verify a bundle, finding by finding", run_validate},
     {"compare", "say whether and where two pictures differ", run_compare},
+    {"bench", "measure speed on this machine beside the committed figures", run_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
 
@@ -41,14 +44,13 @@ static StyStatus print_help(void) {
 }
 
 static StyStatus print_version(void) {
-  const char *geometry = sty_get_geometry_library_version();
-  printf("stylut %s\n%s, %s, %s, %s, %s\n", STY_VERSION, sty_get_image_library_version(),
-         sty_get_mesh_library_version(), sty_get_ray_library_version(), sty_get_search_library_version(),
-         geometry ? geometry : "without CGAL");
+  char libraries[MACHINE_SIZE];
+  printf("stylut %s\n%s\n", STY_VERSION, format_libraries(libraries));
   printf("stylut's own code is under the MIT licence. %s\n",
-         geometry ? "This binary is linked with parts of CGAL that are\n"
-                    "GPL-3.0-or-later: as a whole it is distributed under the GPL. Build with CGAL=0 to go without."
-                  : "This binary is built without CGAL and is not under the GPL.");
+         sty_get_geometry_library_version()
+             ? "This binary is linked with parts of CGAL that are\n"
+               "GPL-3.0-or-later: as a whole it is distributed under the GPL. Build with CGAL=0 to go without."
+             : "This binary is built without CGAL and is not under the GPL.");
   return STY_OK;
 }
 

@@ -105,7 +105,8 @@ void sty_free_audit_maps(StyAuditMaps *maps);
 StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, const StyAuditOptions *options,
                         const StyRun *run, StyAudit *out, StyAuditMaps *maps, StyError *error);
 
-/* The lookup error alone (see StyAudit). */
+/* The lookup error alone (see StyAudit). STY_ERROR_INPUT: sizes don't fit, no
+ * normals, no covered pixel in the frames; STY_ERROR_LIBRARY (memory). */
 StyStatus sty_audit_lookup(const StyLut *lut, const StyImage *guide, const StyAuditOptions *options, StyFigures *out,
                            StyError *error);
 

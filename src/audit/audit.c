@@ -231,6 +231,8 @@ static StyStatus measure_lookups(const Case *c, StyError *error) {
     ask_for_bytes(c, &lookup);
   else
     ask_between_centres(c, &lookup);
+  if (!status && !lookup.count)
+    status = sty_fail(error, STY_ERROR_INPUT, "found no covered pixel in the frames, expected one");
   if (!status) c->audit->lookup = sty_finish_tally(&lookup);
   sty_close_tally(&lookup);
   return status;

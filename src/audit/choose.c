@@ -1,6 +1,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "audit/stored.h"
 #include "stylut/audit.h"
 
 enum { SMALLEST = 16, LARGEST = 4096, MORE = 2, IDLE = 3 };
@@ -8,35 +9,18 @@ enum { SMALLEST = 16, LARGEST = 4096, MORE = 2, IDLE = 3 };
 /* What one more size must bring to count as better. */
 static const double least_gain = 0.01;
 
-static size_t get_texel_bytes(StyEncoding encoding) {
-  return encoding == STY_ENCODE_F32 ? 8 : encoding == STY_ENCODE_RG8 ? 2 : 4;
-}
-
-/* The table as it comes back from its encoding. */
-static StyStatus encode_and_decode(StyLut **lut, StyEncoding encoding, StyError *error) {
-  const StyLutHints hints = {.sampling = -1};
-  StyImage *image = NULL;
-  StyLut *back = NULL;
-  StyStatus status = sty_encode_lut(*lut, encoding, &image, error);
-  if (!status) status = sty_decode_lut("LUT", image, &hints, &back, error);
-  sty_destroy_image(&image);
-  if (status) return status;
-  sty_destroy_lut(lut);
-  *lut = back;
-  return STY_OK;
-}
-
 static StyStatus try_spec(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, StyEncoding encoding,
                           const StyAuditOptions *options, const StyRun *run, StyCandidate *out, StyError *error) {
   const StyEngine *engine = NULL;
   const StyRun quiet = {.threads = run ? run->threads : 0};
-  StyLut *lut = NULL;
+  StyLut *lut = NULL, *stored = NULL;
   StyStatus status = sty_find_engine("engine", "auto", &engine, error);
   if (!status) status = sty_build_lut(sites, engine, NULL, spec, &quiet, &lut, error);
-  if (!status) status = encode_and_decode(&lut, encoding, error);
-  *out = (StyCandidate){.spec = *spec, .bytes = sty_count_texels(spec) * get_texel_bytes(encoding)};
-  if (!status) status = sty_audit_lookup(lut, guide, options, &out->lookup, error);
+  if (!status) status = sty_restore_lut(lut, encoding, &stored, error);
+  *out = (StyCandidate){.spec = *spec, .bytes = sty_count_bytes(spec, encoding)};
+  if (!status) status = sty_audit_lookup(stored, guide, options, &out->lookup, error);
   sty_destroy_lut(&lut);
+  sty_destroy_lut(&stored);
   return status;
 }
 

@@ -1,5 +1,6 @@
-/* Speed and memory beside a reference that runs alternately with it, so that
- * both meet the same weather on the machine. Prints CSV lines
+/* Speed and memory beside libraries as they are, and of whole processes; all else
+ * is measured by `stylut bench`. What is compared runs alternately, so that both
+ * meet the same weather on the machine. Prints CSV lines
  *   row,variant,runs,median_ms,rate,rate_unit,ratio,reference
  * where the ratio is the reference's time over the row's (above 1: faster than
  * the reference); for memory, the bytes taken over the bytes held. Nothing is
@@ -19,11 +20,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "stylut/chart.h"
+#include "stylut/file.h"
 #include "stylut/guide.h"
-#include "stylut/image_io.h"
 #include "stylut/json.h"
 #include "stylut/lut.h"
-#include "stylut/pack.h"
 
 /* All odd, so that a median is one of the runs. */
 enum { RUNS = 7, STARTS = 11, MEMORY_RUNS = 3, LARGEST_RUNS = STARTS };
@@ -75,15 +76,9 @@ typedef struct Series {
 
 static void add_value(Series *series, double value) { series->values[series->count++] = value; }
 
-static int compare_values(const void *a, const void *b) {
-  const double *x = a, *y = b;
-  return (*x > *y) - (*x < *y);
-}
-
 static double get_median(const Series *series) {
   Series sorted = *series;
-  qsort(sorted.values, (size_t)sorted.count, sizeof *sorted.values, compare_values);
-  return sorted.values[sorted.count / 2];
+  return sty_find_median(sorted.values, sorted.count);
 }
 
 /* ---- rows ---- */
@@ -375,19 +370,17 @@ static void bench_guide(const Paths *paths) {
 
 /* ---- section: lut ---- */
 
-enum { SPHERE = 512, TABLE = 256, LARGEST_ENGINES = 16 };
+enum { SPHERE = 512, TABLE = 256 };
 
-static StyImage *make_sphere(int side) {
+static const StyLutSpec table_spec = {.width = TABLE, .height = TABLE};
+
+static StySites *collect_sphere(void) {
   StyError error;
   StyImage *guide = NULL;
-  require(sty_make_sphere_guide(side, side, STY_GUIDE_NORMAL, &guide, &error), &error);
-  return guide;
-}
-
-static StySites *collect_sites(const StyImage *guide) {
-  StyError error;
   StySites *sites = NULL;
+  require(sty_make_sphere_guide(SPHERE, SPHERE, STY_GUIDE_NORMAL, &guide, &error), &error);
   require(sty_collect_sites("sphere", guide, &sites, &error), &error);
+  sty_destroy_image(&guide);
   return sites;
 }
 
@@ -396,8 +389,7 @@ static double time_engine(const StyEngine *engine, const StySites *sites, int th
   StyError error;
   StyLut *lut = NULL;
   const double start = sty_get_milliseconds();
-  require(sty_build_lut(sites, engine, NULL, &(StyLutSpec){.width = TABLE, .height = TABLE}, &run, &lut, &error),
-          &error);
+  require(sty_build_lut(sites, engine, NULL, &table_spec, &run, &lut, &error), &error);
   const double time = sty_get_milliseconds() - start;
   sty_destroy_lut(&lut);
   return time;
@@ -407,18 +399,18 @@ static double time_engine(const StyEngine *engine, const StySites *sites, int th
 static double time_flann(const StySites *sites, int threads) {
   StyError error;
   StyLut *lut = NULL;
-  const size_t texels = (size_t)TABLE * TABLE;
+  const size_t texels = sty_count_texels(&table_spec);
   float *queries = allocate(2 * texels * sizeof *queries), *distances = allocate(texels * sizeof *distances), speedup;
   int *found = allocate(texels * sizeof *found);
-  const StyLutSpec spec = {.width = TABLE, .height = TABLE};
-  require(sty_create_lut(&spec, sites->width, sites->height, &lut, &error), &error);
+  require(sty_create_lut(&table_spec, sites->width, sites->height, &lut, &error), &error);
   const double start = sty_get_milliseconds();
   struct FLANNParameters parameters = DEFAULT_FLANN_PARAMETERS;
   parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
   parameters.leaf_max_size = 10;
   parameters.cores = threads;
   parameters.log_level = FLANN_LOG_NONE;
-  for (size_t t = 0; t < texels; t++) sty_get_texel_value(&spec, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
+  for (size_t t = 0; t < texels; t++)
+    sty_get_texel_value(&table_spec, (int)(t % TABLE), (int)(t / TABLE), queries + 2 * t);
   flann_index_t index = flann_build_index_float(sites->values, (int)sites->count, 2, &speedup, &parameters);
   if (!index || flann_find_nearest_neighbors_index_float(index, queries, (int)texels, found, distances, 1, &parameters))
     fail("FLANN fails on %zu points", sites->count);
@@ -432,206 +424,25 @@ static double time_flann(const StySites *sites, int threads) {
   return time;
 }
 
+/* The library raw, beside our engine of it, which `stylut bench` has a row for. */
 static void bench_lut(const Paths *paths) {
   (void)paths;
-  StyImage *guide = make_sphere(SPHERE);
-  StySites *sites = collect_sites(guide);
-  sty_destroy_image(&guide);
+  StySites *sites = collect_sphere();
   const StyEngine *peer = NULL;
   StyError error;
   require(sty_find_engine("bench", "flann-single", &peer, &error), &error);
-
-  static Series times[LARGEST_ENGINES][THREAD_COUNTS], raw[THREAD_COUNTS];
+  Series ours[THREAD_COUNTS] = {0}, raw[THREAD_COUNTS] = {0};
   for (int run = 0; run < RUNS; run++)
     for (int t = 0; t < THREAD_COUNTS; t++) {
-      for (int e = 0; sty_engines[e].name && e < LARGEST_ENGINES; e++)
-        if (e > 0 || run == 0) /* the first looks at every pixel: once is enough */
-          add_value(&times[e][t], time_engine(&sty_engines[e], sites, thread_counts[t]));
+      add_value(&ours[t], time_engine(peer, sites, thread_counts[t]));
       add_value(&raw[t], time_flann(sites, thread_counts[t]));
     }
   for (int t = 0; t < THREAD_COUNTS; t++) {
     char row[64];
-    name_threads(row, sizeof row, "lut", thread_counts[t]);
-    const Series *reference = &times[peer - sty_engines][t];
-    const double work = (double)TABLE * TABLE / 1e6;
-    for (int e = 0; sty_engines[e].name && e < LARGEST_ENGINES; e++)
-      print_times(row, sty_engines[e].name, &times[e][t], work, "Mtexels/s", reference, peer->name);
-    print_times(row, "raw FLANN k=1 no ties", &raw[t], work, "Mtexels/s", reference, peer->name);
+    print_times(name_threads(row, sizeof row, "lut", thread_counts[t]), "raw FLANN k=1 no ties", &raw[t],
+                (double)TABLE * TABLE / 1e6, "Mtexels/s", &ours[t], peer->name);
   }
   sty_destroy_sites(&sites);
-}
-
-/* ---- section: pack ---- */
-
-/* What can't be spared: each picture decoded once, one table built. */
-static double time_pack_parts(const StyManifest *manifest) {
-  StyError error;
-  const double start = sty_get_milliseconds();
-  int side = 0;
-  for (int i = 0; i < manifest->style_count; i++) {
-    char *path = join(manifest->folder, manifest->styles[i].exemplar);
-    StyImage *image = NULL;
-    require(sty_read_image(path, &image, &error), &error);
-    side = image->width;
-    sty_destroy_image(&image);
-    free(path);
-  }
-  const StyManifestStyle *style = &manifest->styles[0];
-  const StyEngine *engine = NULL;
-  StyLut *lut = NULL;
-  require(sty_find_engine("bench", style->lut_engine, &engine, &error), &error);
-  StyImage *guide = make_sphere(side);
-  StySites *sites = collect_sites(guide);
-  const StyLutSpec spec = {.width = style->lut_size, .height = style->lut_size, .sampling = STY_SAMPLE_UNORM8};
-  require(sty_build_lut(sites, engine, NULL, &spec, NULL, &lut, &error), &error);
-  const double time = sty_get_milliseconds() - start;
-  sty_destroy_lut(&lut);
-  sty_destroy_sites(&sites);
-  sty_destroy_image(&guide);
-  return time;
-}
-
-static void bench_pack(const Paths *paths) {
-  char *path = join(paths->exemplars, "styles.json"), *bundle = join(paths->scratch, "packed");
-  const char *const command[] = {paths->stylut, "pack", path, "-o", bundle, "--quiet", NULL};
-  StyError error;
-  StyManifest manifest;
-  require(sty_read_manifest(path, &manifest, &error), &error);
-  Series parts = {0}, whole = {0};
-  time_pack_parts(&manifest); /* loads OpenImageIO */
-  for (int run = 0; run < RUNS; run++) {
-    add_value(&parts, time_pack_parts(&manifest));
-    add_value(&whole, run_program(command, "/dev/null"));
-  }
-  print_times("pack", "parts: decode and one lut", &parts, manifest.style_count, "styles/s", NULL, NULL);
-  print_times("pack", "command", &whole, manifest.style_count, "styles/s", &parts, "parts: decode and one lut");
-  sty_close_manifest(&manifest);
-  free(path);
-  free(bundle);
-}
-
-/* ---- section: stylize ---- */
-
-enum { STYLIZE_TILE = 64, STYLIZE_COLUMNS = (WIDTH + STYLIZE_TILE - 1) / STYLIZE_TILE };
-enum { STYLIZE_TILES = STYLIZE_COLUMNS * ((HEIGHT + STYLIZE_TILE - 1) / STYLIZE_TILE) };
-
-typedef struct Stylizing {
-  const StyBundle *bundle;
-  StyFrame frame;
-  StyMatch *matches;
-  uint8_t *picture;
-} Stylizing;
-
-static StyRect get_tile(long i) {
-  const int x = (int)(i % STYLIZE_COLUMNS) * STYLIZE_TILE, y = (int)(i / STYLIZE_COLUMNS) * STYLIZE_TILE;
-  return (StyRect){x, y, x + STYLIZE_TILE < WIDTH ? x + STYLIZE_TILE : WIDTH,
-                   y + STYLIZE_TILE < HEIGHT ? y + STYLIZE_TILE : HEIGHT};
-}
-
-static StyStatus transfer_tile(void *context, long i, StyError *error) {
-  const Stylizing *work = context;
-  const StyRuntimeStatus status = sty_transfer_frame(work->bundle, &work->frame, get_tile(i), work->matches);
-  return status ? sty_fail(error, STY_ERROR_LIBRARY, "%s", sty_describe_runtime_status(status)) : STY_OK;
-}
-
-static StyStatus blend_tile(void *context, long i, StyError *error) {
-  const Stylizing *work = context;
-  const StyRuntimeStatus status =
-      sty_blend_frame(work->bundle, &work->frame, get_tile(i), work->matches, 8, work->picture);
-  return status ? sty_fail(error, STY_ERROR_LIBRARY, "%s", sty_describe_runtime_status(status)) : STY_OK;
-}
-
-static double time_tiles(Stylizing *work, StyStatus (*tile)(void *context, long i, StyError *error), int threads) {
-  const StyRun run = {.threads = threads};
-  StyError error;
-  const double start = sty_get_milliseconds();
-  require(sty_parallel_for(&run, STYLIZE_TILES, tile, work, &error), &error);
-  return sty_get_milliseconds() - start;
-}
-
-/* A height field of waves that leaves no pixel bare; its slopes reach about 60 degrees. */
-static StyImage *make_waves(void) {
-  static const char *const names[] = {"A", "normal.X", "normal.Y", "normal.Z"};
-  StyError error;
-  StyImage *guide = NULL;
-  require(sty_create_image(WIDTH, HEIGHT, 4, names, 32, &guide, &error), &error);
-  for (size_t i = 0; i < PIXELS; i++) {
-    const double x = (double)(i % WIDTH), y = (double)(i / WIDTH);
-    const double shared = 0.5 * sin((x + y) / 91);
-    const double dx = 1.2 * sin(x / 37) + shared, dy = 1.2 * cos(y / 53) + shared;
-    const double length = sqrt(dx * dx + dy * dy + 1);
-    guide->data[i] = 1;
-    guide->data[PIXELS + i] = (float)(-dx / length);
-    guide->data[2 * (size_t)PIXELS + i] = (float)(-dy / length);
-    guide->data[3 * (size_t)PIXELS + i] = (float)(1 / length);
-  }
-  return guide;
-}
-
-static StyImage *trace_creature(const Paths *paths) {
-  char *mesh = join(paths->exemplars, "creature.ply");
-  StyScene *scene = read_creature(mesh);
-  const StyCamera camera = fit_camera(scene);
-  const StyTraceOptions options = {WIDTH, HEIGHT, STY_GUIDE_NORMAL, false};
-  StyError error;
-  StyImage *guide = NULL;
-  require(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error), &error);
-  sty_destroy_scene(&scene);
-  free(mesh);
-  return guide;
-}
-
-static void bench_frame(const char *what, const StyBundle *bundle, const StyImage *guide) {
-  StyError error;
-  StyImage *encoded = NULL;
-  uint8_t *bytes = allocate(4 * (size_t)PIXELS);
-  float *fine = allocate(2 * (size_t)PIXELS * sizeof *fine);
-  require(sty_encode_normals(guide, 8, &encoded, &error), &error);
-  require(sty_convert_to_rgba8(what, encoded, bytes, &error), &error);
-  sty_destroy_image(&encoded);
-  const float *x = sty_find_channel(guide, "normal.X"), *y = sty_find_channel(guide, "normal.Y");
-  for (size_t i = 0; i < PIXELS; i++) fine[2 * i] = x[i], fine[2 * i + 1] = y[i];
-  Stylizing work = {.bundle = bundle,
-                    .frame = {.width = WIDTH, .height = HEIGHT, .guide = bytes, .fine = fine, .style = 1},
-                    .matches = allocate(PIXELS * sizeof *work.matches),
-                    .picture = allocate(4 * (size_t)PIXELS)};
-  Series transfer[THREAD_COUNTS] = {0}, blend[THREAD_COUNTS] = {0};
-  for (int run = 0; run < RUNS; run++)
-    for (int t = 0; t < THREAD_COUNTS; t++) {
-      add_value(&transfer[t], time_tiles(&work, transfer_tile, thread_counts[t]));
-      add_value(&blend[t], time_tiles(&work, blend_tile, thread_counts[t]));
-    }
-  const double covered = (double)count_covered(guide) / 1e6;
-  char row[64], variant[64];
-  snprintf(row, sizeof row, "stylize %s", what);
-  for (int t = 0; t < THREAD_COUNTS; t++)
-    print_times(row, name_threads(variant, sizeof variant, "transfer", thread_counts[t]), &transfer[t], covered,
-                "Mpixels/s", t ? &transfer[0] : NULL, "1 thread");
-  for (int t = 0; t < THREAD_COUNTS; t++)
-    print_times(row, name_threads(variant, sizeof variant, "blend", thread_counts[t]), &blend[t], covered, "Mpixels/s",
-                t ? &blend[0] : NULL, "1 thread");
-  free(bytes);
-  free(fine);
-  free(work.matches);
-  free(work.picture);
-}
-
-static void bench_stylize(const Paths *paths) {
-  char *manifest = join(paths->exemplars, "styles.json"), *folder = join(paths->scratch, "bundle");
-  const char *const command[] = {paths->stylut, "pack", manifest, "-o", folder, "--quiet", NULL};
-  StyError error;
-  StyLoadedBundle bundle;
-  run_program(command, "/dev/null");
-  require(sty_load_bundle(folder, NULL, NULL, &bundle, &error), &error);
-  StyImage *guide = trace_creature(paths);
-  bench_frame("creature", &bundle.bundle, guide);
-  sty_destroy_image(&guide);
-  guide = make_waves();
-  bench_frame("waves", &bundle.bundle, guide);
-  sty_destroy_image(&guide);
-  sty_unload_bundle(&bundle);
-  free(manifest);
-  free(folder);
 }
 
 /* ---- section: startup ---- */
@@ -765,13 +576,12 @@ int main(int argc, char **argv) {
   static const struct {
     const char *name;
     void (*run)(const Paths *paths);
-  } sections[] = {{"guide", bench_guide},     {"lut", bench_lut},         {"pack", bench_pack},
-                  {"stylize", bench_stylize}, {"startup", bench_startup}, {"memory", bench_memory}};
+  } sections[] = {{"guide", bench_guide}, {"lut", bench_lut}, {"startup", bench_startup}, {"memory", bench_memory}};
   for (size_t s = 0; argc == 5 && s < sizeof sections / sizeof *sections; s++) {
     if (strcmp(argv[1], sections[s].name) != 0) continue;
     const Paths paths = {argv[2], argv[3], argv[4]};
     sections[s].run(&paths);
     return EXIT_SUCCESS;
   }
-  fail("usage: bench guide|lut|pack|stylize|startup|memory STYLUT EXEMPLARS SCRATCH");
+  fail("usage: bench guide|lut|startup|memory STYLUT EXEMPLARS SCRATCH");
 }

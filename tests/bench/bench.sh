@@ -10,14 +10,14 @@ csv=$build/bench.csv
 scratch=$(mktemp -d "$build/bench.XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
 
-cpu=$(sed -n 's/^model name[[:blank:]]*: //p' /proc/cpuinfo | head -n 1)
-versions=$("$build/stylut" --version | head -n 2 | paste -s -d ';' | sed 's/;/; /')
-
-# Each section in a process of its own: a child's peak memory starts at its parent's.
+# What the tool can measure by itself, with comment and header; then what needs the
+# libraries raw or a process. Each section in a process of its own: a child's peak
+# memory starts at its parent's.
+printf 'bench: stylut bench\n' >&2
+"$build/stylut" bench -q --csv "$scratch/own.csv"
 {
-  printf '# %s, %s cores; %s\n' "${cpu:-unknown processor}" "$(nproc)" "$versions"
-  printf 'row,variant,runs,median_ms,rate,rate_unit,ratio,reference\n'
-  for section in guide lut pack stylize startup memory; do
+  cat "$scratch/own.csv"
+  for section in guide lut startup memory; do
     printf 'bench: %s\n' "$section" >&2
     "$build/tests/bench/bench" "$section" "$build/stylut" "$exemplars" "$scratch"
   done

@@ -12,6 +12,7 @@
 
 #include "lut/engine.h"
 #include "peers.h"
+#include "stylut/chart.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 
@@ -109,16 +110,10 @@ static StyImage *read_guide(const char *folder, const char *name) {
 
 /* ---- times -------------------------------------------------------------------- */
 
-static int compare(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static double get_median(const double times[RUNS]) {
   double sorted[RUNS];
   memcpy(sorted, times, sizeof sorted);
-  qsort(sorted, RUNS, sizeof *sorted, compare);
-  return sorted[RUNS / 2];
+  return sty_find_median(sorted, RUNS);
 }
 
 static double time_grid(const StyImage *guide, int size, int threads, StyLut **out) {
