@@ -1,37 +1,37 @@
 #include "lut/engine.h"
 
-static double scan_levels(const StyPoints *points, const StyQuery *query) {
+/* Points ascend by pixel: the first at the minimum is the lowest. */
+static size_t scan_levels(const StyPoints *points, const StyQuery *query) {
   double best = sty_measure_point(points, 0, query);
 #pragma omp simd reduction(min : best)
   for (size_t p = 1; p < points->count; p++) {
     const double distance = sty_square_steps(&points->measure, query, points->levels + 2 * p);
     best = distance < best ? distance : best;
   }
-  return best;
+  size_t nearest = 0;
+  while (sty_square_steps(&points->measure, query, points->levels + 2 * nearest) != best) nearest++;
+  return nearest;
 }
 
-static float scan_values(int dims, const float *values, size_t count, const float *at) {
+static inline size_t scan_values(int dims, const float *values, size_t count, const float *at) {
   float best = sty_square_distance(dims, at, values);
 #pragma omp simd reduction(min : best)
   for (size_t p = 1; p < count; p++) {
     const float distance = sty_square_distance(dims, at, values + (size_t)dims * p);
     best = distance < best ? distance : best;
   }
-  return best;
+  size_t nearest = 0;
+  while (sty_square_distance(dims, at, values + (size_t)dims * nearest) != best) nearest++;
+  return nearest;
 }
 
 size_t sty_scan_points(const StyPoints *points, const StyQuery *query) {
-  double best;
-  if (points->measure.integer)
-    best = scan_levels(points, query);
-  else if (points->measure.dims == 2)
-    best = (double)scan_values(2, points->values, points->count, query->at);
-  else
-    best = (double)scan_values(3, points->values, points->count, query->at);
-  /* Points ascend by pixel: the first at the minimum is the lowest. */
-  size_t nearest = 0;
-  while (sty_measure_point(points, nearest, query) != best) nearest++;
-  return nearest;
+  const int dims = points->measure.dims;
+  if (points->measure.integer) return scan_levels(points, query);
+  /* Named one by one, so that each has code of its own. */
+  if (dims == 2) return scan_values(2, points->values, points->count, query->at);
+  if (dims == 3) return scan_values(3, points->values, points->count, query->at);
+  return scan_values(dims, points->values, points->count, query->at);
 }
 
 typedef struct Job {

@@ -137,7 +137,7 @@ static StyStatus open_resolve(StyLut *lut, const StySites *sites, double slack, 
 
 static float measure_pixel(const Resolve *r, int texel, uint32_t pixel) {
   const size_t at = (size_t)get_y(pixel) * (size_t)r->lut->source_width + (size_t)get_x(pixel);
-  float value[3];
+  float value[3] = {0};
   for (int k = 0; k < r->dims; k++) value[k] = r->values[k][at];
   return sty_square_distance(r->dims, r->places + (size_t)r->dims * (size_t)texel, value);
 }

@@ -1,33 +1,137 @@
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "stylut/lut.h"
+#include "lut/engine.h"
 
 /* No search library is ever handed a coordinate beyond this. */
 #define LARGEST_VALUE 1000.0f
 
-static StyStatus fail_value(const char *name, const StyImage *guide, size_t pixel, float x, float y, StyError *error) {
-  return sty_fail(
-      error, STY_ERROR_INPUT, "%s: found guide value (%g, %g) at pixel (%zu, %zu), expected finite values within %g",
-      name, (double)x, (double)y, pixel % (size_t)guide->width, pixel / (size_t)guide->width, (double)LARGEST_VALUE);
+/* What is collected, and from where. */
+typedef struct Collection {
+  const char *name;
+  const StyImage *guide;
+  const float *covered, *planes[STY_MOST_DIMS];
+  StyFeature features[STY_MOST_DIMS];
+  int dims;
+} Collection;
+
+/* ---- channels ----------------------------------------------------------------- */
+
+static StyStatus fail_channel(const Collection *c, const char *channel, StyError *error) {
+  char there[512] = "";
+  for (int i = 0; i < c->guide->channel_count && strlen(there) < sizeof there - STY_MAX_NAME - 2; i++) {
+    const size_t used = strlen(there);
+    snprintf(there + used, sizeof there - used, "%s%s", i ? ", " : "", c->guide->names[i]);
+  }
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found no channel %s, expected one of %s", c->name, channel, there);
+}
+
+static StyStatus add_channel(Collection *c, const char *channel, float weight, StyError *error) {
+  if (c->dims == STY_MOST_DIMS)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found more than %d channels to compare, expected at most that",
+                    c->name, STY_MOST_DIMS);
+  for (int k = 0; k < c->dims; k++)
+    if (strcmp(c->features[k].channel, channel) == 0)
+      return sty_fail(error, STY_ERROR_USAGE, "%s: found channel %s twice, expected it once", c->name, channel);
+  StyFeature *feature = &c->features[c->dims];
+  *feature = (StyFeature){.weight = weight};
+  strcpy(feature->channel, channel);
+  c->planes[c->dims++] = sty_find_channel(c->guide, channel);
+  return STY_OK;
+}
+
+/* The channel of this name, or, unless it is `exact`, all that are called NAME.something. */
+static StyStatus add_feature(Collection *c, const StyFeature *feature, bool exact, StyError *error) {
+  const char *name = feature->channel;
+  if (!(feature->weight > 0 && feature->weight <= 1000))
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found weight %g of %s, expected one above 0, at most 1000", c->name,
+                    (double)feature->weight, name);
+  if (sty_find_channel(c->guide, name)) return add_channel(c, name, feature->weight, error);
+  const size_t length = strlen(name);
+  const int before = c->dims;
+  StyStatus status = STY_OK;
+  for (int i = 0; !status && !exact && i < c->guide->channel_count; i++) {
+    const char *channel = c->guide->names[i];
+    if (strncmp(channel, name, length) == 0 && channel[length] == '.')
+      status = add_channel(c, channel, feature->weight, error);
+  }
+  return !status && c->dims == before ? fail_channel(c, name, error) : status;
+}
+
+static StyStatus find_channels(Collection *c, const StyFeature *features, int count, bool exact, StyError *error) {
+  c->covered = sty_find_channel(c->guide, "A");
+  if (!c->covered) return fail_channel(c, "A", error);
+  StyStatus status = STY_OK;
+  for (int f = 0; !status && f < count; f++) status = add_feature(c, &features[f], exact, error);
+  return status;
+}
+
+/* ---- values ------------------------------------------------------------------- */
+
+static StyStatus fail_value(const Collection *c, int k, size_t pixel, StyError *error) {
+  const size_t width = (size_t)c->guide->width;
+  char times[32] = "";
+  if (c->features[k].weight != 1) snprintf(times, sizeof times, " times %g", (double)c->features[k].weight);
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %g%s at pixel (%zu, %zu), expected a finite value within %g",
+                  c->name, c->features[k].channel, (double)c->planes[k][pixel], times, pixel % width, pixel / width,
+                  (double)LARGEST_VALUE);
 }
 
 /* Copies covered pixels; -0 becomes 0. `sites` has room for all. */
-static StyStatus copy_values(const char *name, const StyImage *guide, const float *covered, const float *x,
-                             const float *y, StySites *sites, StyError *error) {
-  const size_t pixels = sty_count_pixels(guide);
+static inline StyStatus copy_values(const Collection *c, int dims, StySites *sites, StyError *error) {
+  const size_t pixels = sty_count_pixels(c->guide);
   size_t count = 0;
   for (size_t i = 0; i < pixels; i++) {
-    if (!(covered[i] > 0)) continue;
-    if (!(fabsf(x[i]) <= LARGEST_VALUE && fabsf(y[i]) <= LARGEST_VALUE))
-      return fail_value(name, guide, i, x[i], y[i], error);
-    sites->values[2 * count] = x[i] + 0.0f;
-    sites->values[2 * count + 1] = y[i] + 0.0f;
+    if (!(c->covered[i] > 0)) continue;
+    float *value = sites->values + (size_t)dims * count;
+    for (int k = 0; k < dims; k++) {
+      value[k] = c->planes[k][i] * c->features[k].weight + 0.0f;
+      if (!(fabsf(value[k]) <= LARGEST_VALUE)) return fail_value(c, k, i, error);
+    }
     sites->pixels[count++] = (uint32_t)i;
   }
   sites->count = count;
   return STY_OK;
 }
+
+static StyStatus create_sites(const Collection *c, size_t count, StySites **out, StyError *error) {
+  const size_t dims = (size_t)c->dims, room = count ? count : 1;
+  StySites *sites = calloc(1, sizeof *sites);
+  if (sites) {
+    *sites = (StySites){.width = c->guide->width, .height = c->guide->height, .dims = c->dims};
+    sites->values = malloc(room * dims * sizeof *sites->values);
+    sites->pixels = malloc(room * sizeof *sites->pixels);
+    sites->features = malloc(dims * sizeof *sites->features);
+  }
+  if (!sites || !sites->values || !sites->pixels || !sites->features) {
+    sty_destroy_sites(&sites);
+    return sty_fail_memory(error, c->name, (double)room * (double)(dims + 1) * 4);
+  }
+  memcpy(sites->features, c->features, dims * sizeof *sites->features);
+  *out = sites;
+  return STY_OK;
+}
+
+static StyStatus collect(const Collection *c, bool may_be_empty, StySites **out, StyError *error) {
+  const size_t pixels = sty_count_pixels(c->guide);
+  size_t count = 0;
+  for (size_t i = 0; i < pixels; i++) count += c->covered[i] > 0;
+  if (!count && !may_be_empty)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found no covered pixel, expected a guide that shows something",
+                    c->name);
+  StySites *sites = NULL;
+  StyStatus status = create_sites(c, count, &sites, error);
+  if (!status) status = c->dims == 2 ? copy_values(c, 2, sites, error) : copy_values(c, c->dims, sites, error);
+  if (status)
+    sty_destroy_sites(&sites);
+  else
+    *out = sites;
+  return status;
+}
+
+/* ---- levels ------------------------------------------------------------------- */
 
 /* The byte whose value this is, or -1. */
 static int get_level(float value) {
@@ -60,26 +164,15 @@ static StyStatus find_levels(StySites *sites, StyError *error) {
   return STY_OK;
 }
 
-StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error) {
-  const float *covered = sty_find_channel(guide, "A");
-  const float *x = sty_find_channel(guide, "normal.X"), *y = sty_find_channel(guide, "normal.Y");
-  if (!covered || !x || !y)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found no normals, expected channels A, normal.X and normal.Y", name);
-  const size_t pixels = sty_count_pixels(guide);
-  size_t count = 0;
-  for (size_t i = 0; i < pixels; i++) count += covered[i] > 0;
-  if (!count)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found no covered pixel, expected a guide that shows something", name);
+/* ---- the whole ---------------------------------------------------------------- */
 
-  StySites *sites = calloc(1, sizeof *sites);
-  if (sites) {
-    *sites = (StySites){.width = guide->width, .height = guide->height};
-    sites->values = malloc(count * 2 * sizeof *sites->values);
-    sites->pixels = malloc(count * sizeof *sites->pixels);
-  }
-  StyStatus status = STY_OK;
-  if (!sites || !sites->values || !sites->pixels) status = sty_fail_memory(error, name, (double)count * 12);
-  if (!status) status = copy_values(name, guide, covered, x, y, sites, error);
+StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error) {
+  static const StyFeature normals[] = {{"normal.X", 1}, {"normal.Y", 1}};
+  Collection c = {.name = name, .guide = guide};
+  if (find_channels(&c, normals, 2, true, NULL))
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found no normals, expected channels A, normal.X and normal.Y", name);
+  StySites *sites = NULL;
+  StyStatus status = collect(&c, false, &sites, error);
   if (!status) status = find_levels(sites, error);
   if (status)
     sty_destroy_sites(&sites);
@@ -88,11 +181,27 @@ StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **
   return status;
 }
 
+StyStatus sty_collect_features(const char *name, const StyImage *guide, const StyFeature *features, int count,
+                               StySites **out, StyError *error) {
+  Collection c = {.name = name, .guide = guide};
+  if (count < 1) return sty_fail(error, STY_ERROR_USAGE, "%s: found no channels to compare, expected some", name);
+  const StyStatus status = find_channels(&c, features, count, false, error);
+  return status ? status : collect(&c, false, out, error);
+}
+
+StyStatus sty_collect_target(const char *name, const StyImage *guide, const StySites *source, StySites **out,
+                             StyError *error) {
+  Collection c = {.name = name, .guide = guide};
+  const StyStatus status = find_channels(&c, source->features, source->dims, true, error);
+  return status ? status : collect(&c, true, out, error);
+}
+
 void sty_destroy_sites(StySites **sites) {
   if (!sites || !*sites) return;
   free((*sites)->values);
   free((*sites)->pixels);
   free((*sites)->levels);
+  free((*sites)->features);
   free(*sites);
   *sites = NULL;
 }
