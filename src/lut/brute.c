@@ -13,6 +13,7 @@ static size_t scan_levels(const StyPoints *points, const StyQuery *query) {
   return nearest;
 }
 
+/* For few dimensions, known where it is called, several points go at a time. */
 static inline size_t scan_values(int dims, const float *values, size_t count, const float *at) {
   float best = sty_square_distance(dims, at, values);
 #pragma omp simd reduction(min : best)
@@ -25,13 +26,25 @@ static inline size_t scan_values(int dims, const float *values, size_t count, co
   return nearest;
 }
 
+/* Any number of dimensions, one point at a time. */
+static size_t scan_long_values(int dims, const float *values, size_t count, const float *at) {
+  float best = sty_square_distance(dims, at, values);
+  size_t nearest = 0;
+  for (size_t p = 1; p < count; p++) {
+    const float distance = sty_square_distance(dims, at, values + (size_t)dims * p);
+    if (distance >= best) continue;
+    best = distance;
+    nearest = p;
+  }
+  return nearest;
+}
+
 size_t sty_scan_points(const StyPoints *points, const StyQuery *query) {
   const int dims = points->measure.dims;
   if (points->measure.integer) return scan_levels(points, query);
-  /* Named one by one, so that each has code of its own. */
   if (dims == 2) return scan_values(2, points->values, points->count, query->at);
   if (dims == 3) return scan_values(3, points->values, points->count, query->at);
-  return scan_values(dims, points->values, points->count, query->at);
+  return scan_long_values(dims, points->values, points->count, query->at);
 }
 
 typedef struct Job {
