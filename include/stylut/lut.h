@@ -34,11 +34,10 @@
  * same bytes, on any number of threads and any processor.
  *
  * More dimensions: what is compared may be any 1 to STY_MOST_DIMS channels of a
- * guide, each times a weight (features), by Euclid on the weighted values, in
- * the order of the features. Where
- * there are three of them a table is a cube: L^3 texels, as L slices of L x L,
- * one below the other from slice 0 at the top, so L wide and L*L high. Texel
- * (i, j) of slice k has its centre at
+ * guide, each times a weight (features), by Euclid on the weighted values, summed
+ * from the first feature to the last. Where there are three of them a table is a
+ * cube: L^3 texels, as L slices of L x L, one below the other from slice 0 at the
+ * top, so L wide and L*L high. Texel (i, j) of slice k has its centre at
  *   (i+1/2)/L along the first channel's axis, 1-(j+1/2)/L along the second's,
  *   (k+1/2)/L along the third's
  * from the least to the greatest value of that axis: -1 to 1 for channels named

@@ -158,7 +158,7 @@ static void test_refusals(void **state) {
 /* A layer of more channels than can be compared. */
 static void test_too_many(void **state) {
   (void)state;
-  char text[STY_MOST_DIMS + 2][8];
+  char text[STY_MOST_DIMS + 2][16];
   const char *names[STY_MOST_DIMS + 2] = {"A"};
   for (int c = 1; c < STY_MOST_DIMS + 2; c++) {
     snprintf(text[c], sizeof text[c], "c.%d", c);

@@ -46,7 +46,7 @@ static float draw_value(Kind kind, int channel, const float path[2], uint64_t *r
 
 /* Channels A and c.0, c.1, ...; with `holes` two thirds are covered, the last pixel always. */
 static StyImage *make_guide(Kind kind, int dims, int width, int height, int holes, uint64_t *random) {
-  char text[STY_MOST_DIMS][8];
+  char text[STY_MOST_DIMS][16];
   const char *names[STY_MOST_DIMS + 1] = {"A"};
   for (int k = 0; k < dims; k++) {
     snprintf(text[k], sizeof text[k], "c.%d", k);
