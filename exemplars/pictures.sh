@@ -22,6 +22,10 @@ on_paper "$out/normals.tif" "$out/guide.png" 450
 rm "$out/normals.tif"
 oiiotool "$demo/oil.lut.exr" --ch u,v,error --chnames R,G,B --mulc 1,1,4 -d uint8 --eraseattrib '.*' \
   --attrib DateTime '2000:01:01 00:00:00' -o "$out/lut.png"
+"$stylut" match "$demo/oil.guide.exr" "$demo/frame.exr" -o "$demo/field.exr" -q
+oiiotool "$demo/field.exr" --ch u,v,error,A --chnames R,G,B,A --mulc 1,1,4,1 -o "$out/field.tif"
+on_paper "$out/field.tif" "$out/match.png" 450
+rm "$out/field.tif"
 oiiotool "$demo/contact.png" --resize 50% -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/contact.png"
 
 # What blending does, as a heat map: the borders between the pieces.

@@ -1,11 +1,35 @@
 #include "inputs.h"
 
+#include <string.h>
+
 #include "stylut/image_io.h"
 
 StyStatus read_guide(const char *path, StyImage **out, StyError *error) {
   StyImage *image = NULL;
   StyStatus status = sty_read_image(path, &image, error);
   if (!status) status = sty_import_guide(path, &image, error);
+  if (status)
+    sty_destroy_image(&image);
+  else
+    *out = image;
+  return status;
+}
+
+/* A picture's normals and coverage may stand in other channels than a guide's. */
+static bool needs_import(const StyImage *image, const StyFeature *features, int count) {
+  bool needs = !sty_find_channel(image, "A");
+  for (int f = 0; f < count; f++) {
+    const char *channel = features[f].channel;
+    const bool is_normal = strcmp(channel, "normal") == 0 || strncmp(channel, "normal.", 7) == 0;
+    needs = needs || (is_normal && !sty_find_channel(image, "normal.X"));
+  }
+  return needs;
+}
+
+StyStatus read_features(const char *path, const StyFeature *features, int count, StyImage **out, StyError *error) {
+  StyImage *image = NULL;
+  StyStatus status = sty_read_image(path, &image, error);
+  if (!status && needs_import(image, features, count)) status = sty_import_guide(path, &image, error);
   if (status)
     sty_destroy_image(&image);
   else
@@ -33,7 +57,15 @@ void destroy_frames(StyImage *frames[MOST_FRAMES]) {
 StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error) {
   StyImage *image = NULL;
   StyStatus status = sty_read_image(path, &image, error);
-  if (!status) status = sty_decode_lut(path, image, hints, out, error);
+  StyLut *lut = NULL;
+  if (!status) status = sty_decode_lut(path, image, hints, &lut, error);
   sty_destroy_image(&image);
+  if (!status && lut->depth)
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found a table of three dimensions (%s, %s, %s), expected a flat one",
+                      path, lut->axes[0].channel, lut->axes[1].channel, lut->axes[2].channel);
+  if (status)
+    sty_destroy_lut(&lut);
+  else
+    *out = lut;
   return status;
 }

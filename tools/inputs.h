@@ -8,6 +8,10 @@
 /* Reads a file and turns it into a guide with A and normal.* (see guide.h). */
 StyStatus read_guide(const char *path, StyImage **out, StyError *error);
 
+/* Reads a guide for the sake of these channels: as the file has them, or, where it
+ * lacks coverage or normals that are asked for, as read_guide finds them. */
+StyStatus read_features(const char *path, const StyFeature *features, int count, StyImage **out, StyError *error);
+
 /* Guides of frames, as --frames takes them. */
 enum { MOST_FRAMES = 256 };
 
@@ -24,7 +28,7 @@ StyStatus add_frame(Frames *frames, const char *file, StyError *error);
 StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error);
 void destroy_frames(StyImage *frames[MOST_FRAMES]);
 
-/* Reads a table; `hints` say what the file may leave out. */
+/* Reads a flat table; `hints` say what the file may leave out. */
 StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error);
 
 #endif

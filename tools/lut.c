@@ -1,6 +1,7 @@
 /* stylut lut GUIDE */
 #include "stylut/lut.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -14,16 +15,17 @@
 typedef struct Arguments {
   Options options;
   const char *guide;
-  int size;                  /* 0: the smallest that meets the budget */
+  int size;                  /* 0: the smallest that meets the budget; DEFAULT_SIZE: not given */
   int sampling, map, metric; /* the spec's enums; map -1: either */
   double max_p99;            /* degrees; 0: no budget */
   Frames frames;
-  const char *engine_name;
   const StyEngine *engine;
-  StyEngineOptions engine_options;
-  int resolve;  /* index of resolve_names */
-  double slack; /* 8-bit levels; below 0: not given */
-  int encoding; /* a StyEncoding, or -1: by the output's ending */
+  StyFeature features[STY_MOST_DIMS]; /* of a cube */
+  int feature_count;                  /* 0: a flat table */
+  long long max_memory;               /* bytes; 0: not given */
+  int resolve;                        /* index of resolve_names */
+  double slack;                       /* 8-bit levels; below 0: not given */
+  int encoding;                       /* a StyEncoding, or -1: by the output's ending */
 } Arguments;
 
 enum {
@@ -31,16 +33,17 @@ enum {
   KEY_ENCODING,
   KEY_MAP,
   KEY_METRIC,
-  KEY_TREES,
-  KEY_CHECKS,
-  KEY_PRECISION,
+  KEY_CHANNELS,
+  KEY_MAX_MEMORY,
   KEY_RESOLVE,
   KEY_SLACK,
   KEY_MAX_P99,
   KEY_FRAMES
 };
 
-enum { MAP_ANY = -1 };
+enum { MAP_ANY = -1, DEFAULT_SIZE = -1 };
+
+static const long long default_max_memory = 1LL << 30;
 
 /* Among the candidates of --size auto, so many smaller and larger ones are shown. */
 enum { SHOWN = 2 };
@@ -51,14 +54,12 @@ static const double default_slack = 2;
 
 static const struct argp_option options_table[] = {
     {"size", 's', "N|auto", 0,
-     "texels a side, or auto: the smallest table that meets --max-p99, encoding included (default: 256)", 0},
+     "texels a side, or auto: the smallest table that meets --max-p99, encoding included (default: 256; 64 with "
+     "--channels)",
+     0},
     {"max-p99", KEY_MAX_P99, "DEG", 0, "for --size auto: the lookup error that 99 % of the lookups stay within", 0},
     {"frames", KEY_FRAMES, "FILE...", 0,
      "guides of real frames: with --size auto their lookups count, with --resolve frames or both they are served", 0},
-    {"engine", 'e', "NAME", 0,
-     "exact: brute, flann-single, cgal, grid, or auto: the fastest of them; approximate: analytic, flann-forest, "
-     "flann-auto (default: auto)",
-     0},
     {"sampling", KEY_SAMPLING, "KIND", 0,
      "what texels answer for: centre, their centres; unorm8, byte values, exactly; corner, their lower left corners, "
      "as StyleBlitUnity's (default: centre)",
@@ -77,12 +78,52 @@ static const struct argp_option options_table[] = {
      0},
     {"slack", KEY_SLACK, "LEVELS", 0,
      "how much farther than the nearest such a choice may be, in 8-bit levels (default: 2)", 0},
-    {NULL, 0, NULL, 0, "For the approximate engines:", 0},
-    {"trees", KEY_TREES, "N", 0, "trees of flann-forest, 1 to 64 (default: 4)", 0},
-    {"checks", KEY_CHECKS, "N", 0, "leaves that flann-forest looks at (default: 32)", 0},
-    {"precision", KEY_PRECISION, "SHARE", 0, "exact answers that flann-auto aims at, 0.01 to 1 (default: 0.9)", 0},
+    {"channels", KEY_CHANNELS, "LIST", 0,
+     "a table of three dimensions, N x N x N texels, over these three channels, as in normal.X,normal.Y,luma.Y:0.5; "
+     "a number after a colon weighs the channel's distances",
+     0},
+    {"max-memory", KEY_MAX_MEMORY, "BYTES", 0,
+     "refuse a table of three dimensions that takes more; K, M and G may follow (default: 1G)", 0},
     {0},
 };
+
+/* What is meant for flat tables, or NULL. */
+static const char *find_flat_option(const Arguments *arguments) {
+  return arguments->size == 0                       ? "--size auto"
+         : arguments->max_p99 > 0                   ? "--max-p99"
+         : arguments->frames.count                  ? "--frames"
+         : arguments->sampling != STY_SAMPLE_CENTRE ? "--sampling"
+         : arguments->map != STY_MAP_XY             ? "--map"
+         : arguments->metric != STY_METRIC_XY       ? "--metric"
+         : arguments->resolve != RESOLVE_NEAREST    ? "--resolve"
+                                                    : NULL;
+}
+
+/* Of a cube: its texels, and the bytes of table and picture. */
+static void measure_cube(const Arguments *arguments, double *texels, double *bytes) {
+  const int channels = arguments->encoding == STY_ENCODE_RG8X2 ? 4 : 3;
+  *texels = pow(arguments->size, 3);
+  *bytes = *texels * (sizeof(uint32_t) + sizeof(float) * (size_t)(1 + channels));
+}
+
+static StyStatus check_cube(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  const char *option = find_flat_option(arguments);
+  if (option)
+    return sty_fail(error, STY_ERROR_USAGE, "--channels: found with %s, expected what goes with three dimensions",
+                    option);
+  const long long limit = arguments->max_memory ? arguments->max_memory : default_max_memory;
+  double texels, bytes;
+  measure_cube(arguments, &texels, &bytes);
+  if (bytes > (double)limit)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--size: found %d, %.0f texels (%d^3) that take %.0f bytes, expected at most --max-memory %lld",
+                    arguments->size, texels, arguments->size, bytes, limit);
+  if (arguments->size > STY_MAX_CUBE)
+    return sty_fail(error, STY_ERROR_USAGE, "--size: found %d, expected 1 to %d for three dimensions", arguments->size,
+                    STY_MAX_CUBE);
+  return STY_OK;
+}
 
 static StyStatus check_resolve(Arguments *arguments) {
   StyError *error = &arguments->options.error;
@@ -90,11 +131,10 @@ static StyStatus check_resolve(Arguments *arguments) {
   if (serves && !arguments->frames.count)
     return sty_fail(error, STY_ERROR_USAGE, "--resolve: found %s without --frames, expected the frames to serve",
                     resolve_names[arguments->resolve]);
-  if (arguments->frames.count && !serves && arguments->size != 0)
+  if (arguments->frames.count && !serves && arguments->size != 0 && !arguments->feature_count)
     return sty_fail(error, STY_ERROR_USAGE,
-                    "--frames: found with --size %d and --resolve %s, expected auto, frames or "
-                    "both",
-                    arguments->size, resolve_names[arguments->resolve]);
+                    "--frames: found with --size %d and --resolve %s, expected auto, frames or both", arguments->size,
+                    resolve_names[arguments->resolve]);
   if (arguments->slack >= 0 && arguments->resolve == RESOLVE_NEAREST)
     return sty_fail(error, STY_ERROR_USAGE, "--slack: found with --resolve nearest, expected coherent, frames or both");
   if (arguments->slack < 0) arguments->slack = default_slack;
@@ -103,6 +143,7 @@ static StyStatus check_resolve(Arguments *arguments) {
 
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
+  if (arguments->size == DEFAULT_SIZE) arguments->size = arguments->feature_count ? 64 : 256;
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
   if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
     status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
@@ -110,7 +151,9 @@ static StyStatus check_arguments(Arguments *arguments) {
     status = sty_fail(error, STY_ERROR_USAGE, "--size: found %d with %s, expected auto", arguments->size,
                       arguments->max_p99 > 0 ? "--max-p99" : "--map auto");
   if (!status) status = check_resolve(arguments);
-  if (!status) status = sty_find_engine("--engine", arguments->engine_name, &arguments->engine, error);
+  if (!status && !arguments->feature_count && arguments->max_memory)
+    status = sty_fail(error, STY_ERROR_USAGE, "--max-memory: found without --channels, expected three dimensions");
+  arguments->engine = get_engine(&arguments->options, !arguments->feature_count);
   if (!status) status = require_output(&arguments->options);
   if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
   if (!status)
@@ -125,7 +168,7 @@ static StyStatus check_arguments(Arguments *arguments) {
     return sty_fail(error, STY_ERROR_USAGE,
                     "--encoding: found %s for %s, expected f32 for .exr and the others for .png",
                     sty_encoding_names[arguments->encoding], arguments->options.output);
-  return STY_OK;
+  return arguments->feature_count ? check_cube(arguments) : STY_OK;
 }
 
 static StyStatus set_size(Arguments *arguments, const char *text) {
@@ -154,7 +197,6 @@ static StyStatus take_file(Arguments *arguments, const char *text) {
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
   StyError *error = &arguments->options.error;
-  long long number = 0;
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
@@ -164,7 +206,6 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case 's': status = set_size(arguments, text); break;
     case KEY_MAX_P99: status = sty_parse_number("--max-p99", text, 1e-6, 180, &arguments->max_p99, error); break;
     case KEY_FRAMES: status = add_frame(&arguments->frames, text, error); break;
-    case 'e': arguments->engine_name = text; break;
     case KEY_SAMPLING:
       status = sty_parse_choice("--sampling", text, sty_sampling_names, &arguments->sampling, error);
       break;
@@ -172,17 +213,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_METRIC: status = sty_parse_choice("--metric", text, sty_metric_names, &arguments->metric, error); break;
     case KEY_RESOLVE: status = sty_parse_choice("--resolve", text, resolve_names, &arguments->resolve, error); break;
     case KEY_SLACK: status = sty_parse_number("--slack", text, 0, 255, &arguments->slack, error); break;
-    case KEY_TREES:
-      status = sty_parse_integer("--trees", text, 1, 64, &number, error);
-      arguments->engine_options.trees = (int)number;
+    case KEY_CHANNELS:
+      status = sty_parse_features("--channels", text, arguments->features, &arguments->feature_count, error);
       break;
-    case KEY_CHECKS:
-      status = sty_parse_integer("--checks", text, 1, 1000000, &number, error);
-      arguments->engine_options.checks = (int)number;
-      break;
-    case KEY_PRECISION:
-      status = sty_parse_number("--precision", text, 0.01, 1, &arguments->engine_options.precision, error);
-      break;
+    case KEY_MAX_MEMORY: status = sty_parse_bytes("--max-memory", text, 1, &arguments->max_memory, error); break;
     case KEY_ENCODING:
       status = sty_parse_choice("--encoding", text, sty_encoding_names, &arguments->encoding, error);
       break;
@@ -191,7 +225,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   return end_option(status);
 }
 
-static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {
+    {&engine_argp, 0, NULL, 0}, {&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
@@ -205,7 +240,8 @@ static const struct argp parser = {
 
 typedef struct Account {
   size_t points, unique;
-  double mean_error, max_error; /* guide units, feasible texels */
+  double mean_error, max_error; /* guide units, feasible texels; of a cube all, weighted */
+  StyFeature axes[3];           /* of a cube */
   double times[3];              /* read, build, write */
 } Account;
 
@@ -214,7 +250,7 @@ static void measure_errors(const StyLut *lut, Account *account) {
   double sum = 0;
   for (int j = 0; j < lut->spec.height; j++)
     for (int i = 0; i < lut->spec.width; i++) {
-      if (!sty_is_feasible(&lut->spec, i, j)) continue;
+      if (!lut->depth && !sty_is_feasible(&lut->spec, i, j)) continue;
       const double distance = lut->errors[(size_t)j * (size_t)lut->spec.width + (size_t)i];
       feasible++;
       sum += distance;
@@ -223,24 +259,37 @@ static void measure_errors(const StyLut *lut, Account *account) {
   account->mean_error = feasible ? sum / (double)feasible : 0;
 }
 
+/* "256x256" or "64x64x64". */
+static const char *name_sides(const Arguments *arguments, char out[64]) {
+  const int size = arguments->size;
+  snprintf(out, 64, arguments->feature_count ? "%dx%dx%d" : "%dx%d", size, size, size);
+  return out;
+}
+
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "build", "write"};
-  if (arguments->options.json)
-    return print_json(
-        json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema",
-                  "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact, "resolve",
-                  resolve_names[arguments->resolve], "size", arguments->size, "sampling",
-                  sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
-                  sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points",
-                  (json_int_t)account->points, "unique", (json_int_t)account->unique, "mean_distance",
-                  account->mean_error, "max_distance", account->max_error, "time_ms",
-                  pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes()),
-        error);
+  if (arguments->options.json) {
+    json_t *report = json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema",
+                               "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact,
+                               "resolve", resolve_names[arguments->resolve], "size", arguments->size, "sampling",
+                               sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
+                               sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding],
+                               "points", (json_int_t)account->points, "unique", (json_int_t)account->unique,
+                               "mean_distance", account->mean_error, "max_distance", account->max_error, "time_ms",
+                               pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes());
+    if (arguments->feature_count) pack_features(report, account->axes, 3);
+    return print_json(report, error);
+  }
   if (arguments->options.quiet) return STY_OK;
-  printf("%s: %dx%d texels from %zu source pixels, %zu distinct values\n", clean_text(arguments->options.output),
-         arguments->size, arguments->size, account->points, account->unique);
-  printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
-         account->mean_error / STY_LEVEL, account->max_error / STY_LEVEL);
+  char texels[64];
+  printf("%s: %s texels from %zu source pixels, %zu distinct values\n", clean_text(arguments->options.output),
+         name_sides(arguments, texels), account->points, account->unique);
+  if (arguments->feature_count)
+    printf("engine %s; weighted distance to the nearest value: mean %.5f, max %.5f\n", arguments->engine->name,
+           account->mean_error, account->max_error);
+  else
+    printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
+           account->mean_error / STY_LEVEL, account->max_error / STY_LEVEL);
   printf("read %.1f ms, build %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
          account->times[2], get_peak_bytes() / 1e6);
   return STY_OK;
@@ -306,6 +355,29 @@ static StyStatus choose_spec(Arguments *arguments, const Inputs *inputs, StyLutS
   return STY_OK;
 }
 
+static StyStatus read_source(const Arguments *arguments, StyImage **out, StyError *error) {
+  return arguments->feature_count
+             ? read_features(arguments->guide, arguments->features, arguments->feature_count, out, error)
+             : read_guide(arguments->guide, out, error);
+}
+
+static StyStatus collect(const Arguments *arguments, const StyImage *guide, StySites **out, StyError *error) {
+  if (!arguments->feature_count) return sty_collect_sites(arguments->guide, guide, out, error);
+  StySites *sites = NULL;
+  const StyStatus status =
+      sty_collect_features(arguments->guide, guide, arguments->features, arguments->feature_count, &sites, error);
+  if (status) return status;
+  if (sites->dims == 3) {
+    *out = sites;
+    return STY_OK;
+  }
+  char channels[STY_FEATURES_SIZE];
+  sty_write_features(sites->features, sites->dims, channels);
+  sty_fail(error, STY_ERROR_USAGE, "--channels: found %d (%.200s), expected three", sites->dims, channels);
+  sty_destroy_sites(&sites);
+  return STY_ERROR_USAGE;
+}
+
 static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLut *lut, StyError *error) {
   if (arguments->resolve == RESOLVE_NEAREST) return STY_OK;
   const bool serves = arguments->resolve != RESOLVE_COHERENT;
@@ -322,9 +394,12 @@ static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLu
 
 static StyStatus build(const Arguments *arguments, const Inputs *inputs, const StyLutSpec *spec, StyLut **out,
                        StyError *error) {
+  const StyEngineOptions *options = &arguments->options.engine_options;
+  const StyEngine *engine = arguments->engine;
   const StyRun run = begin_progress(&arguments->options, "searching");
-  StyStatus status =
-      sty_build_lut(inputs->sites, arguments->engine, &arguments->engine_options, spec, &run, out, error);
+  StyStatus status = arguments->feature_count
+                         ? sty_build_cube(inputs->sites, engine, options, arguments->size, &run, out, error)
+                         : sty_build_lut(inputs->sites, engine, options, spec, &run, out, error);
   end_progress(&arguments->options);
   if (!status) status = resolve(arguments, inputs, *out, error);
   if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
@@ -333,10 +408,10 @@ static StyStatus build(const Arguments *arguments, const Inputs *inputs, const S
 
 static StyStatus open_inputs(const Arguments *arguments, Inputs *out, Account *account, StyError *error) {
   const double start = sty_get_milliseconds();
-  StyStatus status = read_guide(arguments->guide, &out->guide, error);
+  StyStatus status = read_source(arguments, &out->guide, error);
   if (!status) status = read_frames(&arguments->frames, out->frames, error);
   const double read = sty_get_milliseconds();
-  if (!status) status = sty_collect_sites(arguments->guide, out->guide, &out->sites, error);
+  if (!status) status = collect(arguments, out->guide, &out->sites, error);
   account->times[0] = read - start;
   account->times[1] = sty_get_milliseconds() - read;
   return status;
@@ -348,15 +423,22 @@ static void close_inputs(Inputs *inputs) {
   destroy_frames(inputs->frames);
 }
 
+static StyStatus announce(Arguments *arguments, const StySites *sites) {
+  char sides[64], takes[64] = "";
+  double texels, bytes;
+  measure_cube(arguments, &texels, &bytes);
+  if (arguments->feature_count) snprintf(takes, sizeof takes, ": %.0f texels that take %.0f bytes,", texels, bytes);
+  return report_dry_run(&arguments->options, "%s texels%s from %zu source pixels with engine %s",
+                        name_sides(arguments, sides), takes, sites->count, arguments->engine->name);
+}
+
 static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account *account, StyError *error) {
   StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
                      arguments->map == MAP_ANY ? STY_MAP_XY : (StyMap)arguments->map, (StyMetric)arguments->metric};
   StyStatus status = STY_OK;
   if (arguments->size == 0) status = choose_spec(arguments, inputs, &spec, error);
   if (status) return status;
-  if (arguments->options.dry_run)
-    return report_dry_run(&arguments->options, "%dx%d texels from %zu source pixels with engine %s", arguments->size,
-                          arguments->size, inputs->sites->count, arguments->engine->name);
+  if (arguments->options.dry_run) return announce(arguments, inputs->sites);
   StyLut *lut = NULL;
   const double start = sty_get_milliseconds();
   status = build(arguments, inputs, &spec, &lut, error);
@@ -365,6 +447,7 @@ static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account 
   if (!status) {
     account->points = inputs->sites->count;
     account->unique = lut->unique;
+    memcpy(account->axes, lut->axes, sizeof account->axes);
     measure_errors(lut, account);
     status = write_lut(arguments, lut, error);
     account->times[2] = sty_get_milliseconds() - built;
@@ -385,7 +468,7 @@ static StyStatus run(Arguments *arguments) {
 
 StyStatus run_lut(int argc, char **argv) {
   Arguments arguments = {
-      .size = 256, .engine_name = "auto", .engine_options = sty_default_engine_options, .slack = -1, .encoding = -1};
+      .options.engine_options = sty_default_engine_options, .size = DEFAULT_SIZE, .slack = -1, .encoding = -1};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

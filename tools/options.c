@@ -11,7 +11,17 @@
 #include "stylut/file.h"
 #include "stylut/parse.h"
 
-enum { KEY_FORMAT = 0x100, KEY_PROGRESS, KEY_DRY_RUN, KEY_NO_HISTORY, KEY_SEED, KEY_USAGE };
+enum {
+  KEY_FORMAT = 0x100,
+  KEY_PROGRESS,
+  KEY_DRY_RUN,
+  KEY_NO_HISTORY,
+  KEY_SEED,
+  KEY_USAGE,
+  KEY_TREES,
+  KEY_CHECKS,
+  KEY_PRECISION
+};
 
 static const char *const progress_modes[] = {"auto", "bar", "json", "none", NULL};
 enum { PROGRESS_AUTO, PROGRESS_BAR, PROGRESS_JSON, PROGRESS_NONE };
@@ -97,6 +107,53 @@ static const struct argp_option seed_options[] = {
 };
 
 const struct argp seed_argp = {.options = seed_options, .parser = parse_seed};
+
+static StyStatus set_engine(Options *options, const char *name) {
+  options->engine = NULL;
+  return strcmp(name, "auto") == 0 ? STY_OK : sty_find_engine("--engine", name, &options->engine, &options->error);
+}
+
+static error_t parse_engine(int key, char *argument, struct argp_state *state) {
+  Options *options = state->input;
+  StyError *error = &options->error;
+  long long number = 0;
+  StyStatus status = STY_OK;
+  if (key != 'e' && key != KEY_TREES && key != KEY_CHECKS && key != KEY_PRECISION) return ARGP_ERR_UNKNOWN;
+  begin_option(key, argument, state);
+  switch (key) {
+    case 'e': status = set_engine(options, argument); break;
+    case KEY_TREES:
+      status = sty_parse_integer("--trees", argument, 1, 64, &number, error);
+      options->engine_options.trees = (int)number;
+      break;
+    case KEY_CHECKS:
+      status = sty_parse_integer("--checks", argument, 1, 1000000, &number, error);
+      options->engine_options.checks = (int)number;
+      break;
+    default:
+      status = sty_parse_number("--precision", argument, 0.01, 1, &options->engine_options.precision, error);
+      break;
+  }
+  return end_option(status);
+}
+
+static const struct argp_option engine_options[] = {
+    {NULL, 0, NULL, 0, "Engines:", 60},
+    {"engine", 'e', "NAME", 0,
+     "exact: brute, flann-single, cgal (2 or 3 dimensions), grid (2), or auto: the fastest of them; approximate: "
+     "analytic (2), flann-forest, flann-auto (default: auto)",
+     0},
+    {"trees", KEY_TREES, "N", 0, "trees of flann-forest, 1 to 64 (default: 4)", 0},
+    {"checks", KEY_CHECKS, "N", 0, "leaves that flann-forest looks at (default: 32)", 0},
+    {"precision", KEY_PRECISION, "SHARE", 0, "exact answers that flann-auto aims at, 0.01 to 1 (default: 0.9)", 0},
+    {0},
+};
+
+const struct argp engine_argp = {.options = engine_options, .parser = parse_engine};
+
+const StyEngine *get_engine(const Options *options, bool flat) {
+  return options->engine ? options->engine : sty_get_fastest_engine(flat);
+}
 
 /* ---- parsing ---- */
 
@@ -340,6 +397,17 @@ json_t *pack_times(const char *const *stages, const double *milliseconds, int co
   for (int i = 0; i < count; i++)
     json_object_set_new(times, stages[i], json_real((double)(long long)(milliseconds[i] * 1e3 + 0.5) / 1e3));
   return times;
+}
+
+void pack_features(json_t *report, const StyFeature *features, int count) {
+  json_t *names = json_array(), *weights = json_array();
+  for (int f = 0; f < count; f++) {
+    json_array_append_new(names, make_json_text(features[f].channel));
+    json_array_append_new(weights, json_real((double)features[f].weight));
+  }
+  json_object_set_new(report, "channels", names);
+  json_object_set_new(report, "weights", weights);
+  json_object_set_new(report, "dims", json_integer(count));
 }
 
 json_t *get_command_line(const Options *options, const char *command) {

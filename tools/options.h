@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "stylut/image.h"
+#include "stylut/lut.h"
 #include "stylut/parallel.h"
 
 /* First member of every command's own arguments. */
@@ -20,6 +21,8 @@ typedef struct Options {
   int progress; /* index of progress_modes */
   bool dry_run, no_history;
   uint64_t seed;
+  const StyEngine *engine; /* NULL: the fastest exact one */
+  StyEngineOptions engine_options;
   bool helped;    /* --help was given and answered: nothing is left to do */
   int stopped_at; /* where in argv parsing failed */
   char *history;  /* the options that shape the result, in canonical form */
@@ -31,6 +34,7 @@ typedef struct Options {
 extern const struct argp common_argp; /* -j -q -v --format --progress */
 extern const struct argp output_argp; /* -o --dry-run --no-history */
 extern const struct argp seed_argp;   /* --seed */
+extern const struct argp engine_argp; /* -e --trees --checks --precision; engine_options want their defaults first */
 
 /* To be called first in every command's parser: passes the arguments on to the
  * groups and records what shapes the result. */
@@ -51,6 +55,9 @@ StyStatus require_argument(Options *options, const char *argument, const char *e
 
 /* "-o FILE is missing" for commands that write. */
 StyStatus require_output(Options *options);
+
+/* The engine that was asked for, else the fastest exact one (see sty_get_fastest_engine). */
+const StyEngine *get_engine(const Options *options, bool flat);
 
 /* Refuses to write over what is read. Inputs may be NULL. */
 StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count);
@@ -80,6 +87,9 @@ StyStatus report_dry_run(Options *options, const char *format, ...) __attribute_
 
 /* {"stage": milliseconds, ...} from parallel lists, rounded to microseconds. */
 json_t *pack_times(const char *const *stages, const double *milliseconds, int count);
+
+/* Adds "channels": [names], "weights": [numbers] and "dims" to a report. */
+void pack_features(json_t *report, const StyFeature *features, int count);
 
 /* "stylut COMMAND" with all that shapes the result, for JSON. */
 json_t *get_command_line(const Options *options, const char *command);

@@ -7,6 +7,7 @@
 #include "inputs.h"
 #include "options.h"
 #include "stylut/image_io.h"
+#include "stylut/match.h"
 #include "stylut/pack.h"
 #include "stylut/parse.h"
 #include "stylut/runtime.h"
@@ -185,36 +186,23 @@ static long count_tiles(const StyFrame *frame) {
 
 /* ---- what is written ---- */
 
-static StyStatus prepare_rgba(const Arguments *arguments, const char *path, const Work *work, int bits,
-                              float (*get)(const Work *work, size_t pixel, int channel), StyOutput *out,
-                              StyError *error) {
+static StyStatus draw_rgba(const Work *work, int bits, float (*get)(const Work *work, size_t pixel, int channel),
+                           StyImage **out, StyError *error) {
   static const char *const names[] = {"R", "G", "B", "A"};
   StyImage *image = NULL;
-  StyStatus status = sty_create_image(work->frame.width, work->frame.height, 4, names, bits, &image, error);
+  const StyStatus status = sty_create_image(work->frame.width, work->frame.height, 4, names, bits, &image, error);
   if (status) return status;
   const size_t pixels = sty_count_pixels(image);
   for (int c = 0; c < 4; c++)
     for (size_t i = 0; i < pixels; i++)
       image->data[(size_t)c * pixels + i] = get(work, i, c) / (bits == 8 ? 255.0f : 65535.0f);
-  char *index = sty_join_path(arguments->bundle, STY_BUNDLE_INDEX);
-  const char *const inputs[] = {arguments->guide, index};
-  status = index ? add_history(&arguments->options, "stylize", image, inputs, 2, error)
-                 : sty_fail_memory(error, "history", 0);
-  free(index);
-  if (!status) status = sty_prepare_image(path, image, out, error);
-  sty_destroy_image(&image);
-  return status;
+  *out = image;
+  return STY_OK;
 }
 
 static float get_picture(const Work *work, size_t pixel, int channel) {
   const size_t i = 4 * pixel + (size_t)channel;
   return work->bits == 8 ? (float)((const uint8_t *)work->picture)[i] : (float)((const uint16_t *)work->picture)[i];
-}
-
-static float get_nnf(const Work *work, size_t pixel, int channel) {
-  const StyMatch *match = &work->matches[pixel];
-  if (match->level == STY_LEVEL_NONE) return 0;
-  return channel == 0 ? match->x : channel == 1 ? match->y : channel == 2 ? 0 : 65535;
 }
 
 /* Pixels of one chunk share the offset between picture and source. */
@@ -230,19 +218,56 @@ static float get_chunk(const Work *work, size_t pixel, int channel) {
   return (float)(64 + (hash >> 8 * channel & 255) * 3 / 4);
 }
 
+static StyStatus draw_picture(const Work *work, StyImage **out, StyError *error) {
+  return draw_rgba(work, work->bits, get_picture, out, error);
+}
+
+static StyStatus draw_chunks(const Work *work, StyImage **out, StyError *error) {
+  return draw_rgba(work, 8, get_chunk, out, error);
+}
+
+static StyStatus draw_field(const Work *work, StyImage **out, StyError *error) {
+  const StyTexture *source = &work->bundle->textures[STY_BUNDLE_GUIDES];
+  StyField *field = NULL;
+  StyStatus status =
+      sty_create_field(work->frame.width, work->frame.height, (int)source->width, (int)source->height, &field, error);
+  if (status) return status;
+  for (size_t i = 0; i < (size_t)field->width * (size_t)field->height; i++)
+    if (work->matches[i].level != STY_LEVEL_NONE)
+      field->pixels[i] = work->matches[i].y * source->width + work->matches[i].x;
+  status = sty_encode_field(field, 16, out, error);
+  sty_destroy_field(&field);
+  return status;
+}
+
+static StyStatus prepare_output(const Arguments *arguments, const char *path, const Work *work,
+                                StyStatus (*draw)(const Work *work, StyImage **out, StyError *error), StyOutput *out,
+                                StyError *error) {
+  StyImage *image = NULL;
+  StyStatus status = draw(work, &image, error);
+  if (status) return status;
+  char *index = sty_join_path(arguments->bundle, STY_BUNDLE_INDEX);
+  const char *const inputs[] = {arguments->guide, index};
+  status = index ? add_history(&arguments->options, "stylize", image, inputs, 2, error)
+                 : sty_fail_memory(error, "history", 0);
+  free(index);
+  if (!status) status = sty_prepare_image(path, image, out, error);
+  sty_destroy_image(&image);
+  return status;
+}
+
 /* All or none: what was asked for appears once everything is written. */
 static StyStatus write_pictures(const Arguments *arguments, const Work *work, StyError *error) {
   StyOutput outputs[3];
   int count = 0;
-  StyStatus status =
-      prepare_rgba(arguments, arguments->options.output, work, work->bits, get_picture, &outputs[count], error);
+  StyStatus status = prepare_output(arguments, arguments->options.output, work, draw_picture, &outputs[count], error);
   if (!status) count++;
   if (!status && arguments->nnf) {
-    status = prepare_rgba(arguments, arguments->nnf, work, 16, get_nnf, &outputs[count], error);
+    status = prepare_output(arguments, arguments->nnf, work, draw_field, &outputs[count], error);
     if (!status) count++;
   }
   if (!status && arguments->chunks) {
-    status = prepare_rgba(arguments, arguments->chunks, work, 8, get_chunk, &outputs[count], error);
+    status = prepare_output(arguments, arguments->chunks, work, draw_chunks, &outputs[count], error);
     if (!status) count++;
   }
   for (int i = 0; i < count; i++) {

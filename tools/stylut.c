@@ -18,6 +18,7 @@ typedef struct Command {
 static const Command commands[] = {
     {"guide", "render a guide map of a sphere or a mesh", run_guide},
     {"lut", "build the nearest-neighbour look-up table of a guide", run_lut},
+    {"match", "find each pixel's nearest source pixel by any channels", run_match},
     {"probe", "send one guide value through a table, step by step", run_probe},
     {"check", "audit a table and hold it to budgets", run_check},
     {"report", "show the audit of a table as a page with maps and charts", run_report},

@@ -55,8 +55,8 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
                           const StyRun *run, StyTraceTimes *times, StyImage **out, StyError *error);
 
 /* Turns a picture as read from a file into a guide with channels A and
- * normal.X .Y .Z (and depth.Z, style.I, object.I where it has them), in place
- * of the picture: *image is replaced.
+ * normal.X .Y .Z and all other channels with a dot in their names, in place of
+ * the picture: *image is replaced.
  * - Channels named normal.* are taken as they are; without A every pixel whose
  *   normal isn't zero is covered.
  * A keeps the values it has above 0, at most 1: they become the picture's alpha.

@@ -25,12 +25,24 @@
  *
  * Exact means that for every texel the squared distance
  *   (gx-px)*(gx-px) + (gy-py)*(gy-py) [+ (gz-pz)*(gz-pz)]
- * in float, without contraction, equals the minimum over all source pixels, and
- * that of several pixels at the minimum the lowest in row-major order is taken.
+ * in float, summed from left to right without contraction, equals the minimum
+ * over all source pixels, and that of several pixels at the minimum the lowest
+ * in row-major order is taken.
  * Where every value of the guide is an 8-bit level, 2*b/255-1, the table is
  * square, and map and metric are xy, the same is computed in integers, since rounding would otherwise decide
  * between pixels that are equally near. All exact engines therefore give the
- * same bytes, on any number of threads and any processor. */
+ * same bytes, on any number of threads and any processor.
+ *
+ * More dimensions: what is compared may be any 1 to STY_MOST_DIMS channels of a
+ * guide, each times a weight (features), by Euclid on the weighted values, summed
+ * from the first feature to the last. Where there are three of them a table is a
+ * cube: L^3 texels, as L slices of L x L, one below the other from slice 0 at the
+ * top, so L wide and L*L high. Texel (i, j) of slice k has its centre at
+ *   (i+1/2)/L along the first channel's axis, 1-(j+1/2)/L along the second's,
+ *   (k+1/2)/L along the third's
+ * from the least to the greatest value of that axis: -1 to 1 for channels named
+ * normal.*, 0 to 1 for all others. Sampling centre, map and metric xy; all of its
+ * texels count. Where there are more, there are no tables: see match.h. */
 #ifndef STYLUT_LUT_H
 #define STYLUT_LUT_H
 
@@ -48,13 +60,34 @@ extern "C" {
 /* Guide values, found or asked for, lie within this; no search library is ever handed one beyond. */
 #define STY_MAX_GUIDE_VALUE 1000.0f
 
+#define STY_MOST_DIMS 32
+#define STY_MAX_CUBE 256 /* texels a side: its slices are as high as an image may be */
+
+/* A channel that counts for the distance: its values times the weight. */
+typedef struct StyFeature {
+  char channel[STY_MAX_NAME];
+  float weight; /* above 0, at most 1000 */
+} StyFeature;
+
+/* "NAME[:WEIGHT],...": at most STY_MOST_DIMS names, each once. `what` is for messages. STY_ERROR_USAGE. */
+StyStatus sty_parse_features(const char *what, const char *text, StyFeature out[STY_MOST_DIMS], int *count,
+                             StyError *error);
+
+/* Room for all that sty_write_features may write. */
+#define STY_FEATURES_SIZE (STY_MOST_DIMS * (STY_MAX_NAME + 16))
+
+/* The same text back; weights of 1 are left out. */
+void sty_write_features(const StyFeature *features, int count, char out[STY_FEATURES_SIZE]);
+
 /* The values of a guide's covered pixels: what engines search. */
 typedef struct StySites {
-  int width, height; /* of the source guide, pixels */
-  size_t count;      /* covered pixels */
-  float *values;     /* gx, gy of each */
-  uint32_t *pixels;  /* row-major index of each, ascending */
-  uint8_t *levels;   /* the two bytes of each value, or NULL where some value isn't an 8-bit level */
+  int width, height;    /* of the source guide, pixels */
+  size_t count;         /* covered pixels */
+  float *values;        /* `dims` of each: gx, gy, or its features */
+  uint32_t *pixels;     /* row-major index of each, ascending */
+  uint8_t *levels;      /* the two bytes of each value gx, gy, or NULL where some value isn't an 8-bit level */
+  int dims;             /* 1 to STY_MOST_DIMS */
+  StyFeature *features; /* `dims` of them: where the values are from */
 } StySites;
 
 /* Collects the covered pixels of a guide (channels A, normal.X, normal.Y; see
@@ -62,6 +95,14 @@ typedef struct StySites {
  * value that isn't finite or lies outside STY_MAX_GUIDE_VALUE (the message names
  * the pixel). The caller owns the sites. */
 StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error);
+
+/* The same for any channels of a guide with A. A name that is no channel's
+ * stands for all channels NAME.*, in the guide's order, each with that weight.
+ * STY_ERROR_INPUT as above, for weighted values, and for a channel that isn't
+ * there (the message lists what is); STY_ERROR_USAGE: a weight or a number of
+ * channels that can't be. `levels` is NULL. */
+StyStatus sty_collect_features(const char *name, const StyImage *guide, const StyFeature *features, int count,
+                               StySites **out, StyError *error);
 void sty_destroy_sites(StySites **sites);
 
 typedef enum StySampling { STY_SAMPLE_CENTRE, STY_SAMPLE_UNORM8, STY_SAMPLE_CORNER } StySampling;
@@ -72,7 +113,7 @@ extern const char *const sty_sampling_names[], *const sty_map_names[], *const st
 
 /* What a table is to be. Ours are square; those of other tools need not be. */
 typedef struct StyLutSpec {
-  int width, height; /* texels */
+  int width, height; /* texels; of a cube the height of all slices: width*width */
   StySampling sampling;
   StyMap map;
   StyMetric metric;
@@ -84,18 +125,28 @@ typedef struct StyLut {
   size_t unique;                   /* distinct source values that were searched; 0 where not known */
   uint32_t *pixels;                /* per texel, row-major: index of the source pixel, y*source_width + x */
   float *errors;                   /* per texel: distance to that pixel's value by the metric */
-  const float *asked;              /* NULL; inside sty_ask_engine, what is asked in place of the texels' own values */
+  int depth;                       /* 0: a flat table; of a cube its slices, as many as it is wide */
+  StyFeature axes[3];              /* of a cube */
+  const float *asked;              /* NULL; while an engine is asked, values in place of the texels' own */
+  size_t asked_count;              /* of them; texels beyond stand for the last */
 } StyLut;
 
 /* An empty table. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
  * equal-area with another sampling than centre, give STY_ERROR_USAGE. */
 StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error);
+
+/* An empty cube of 1 to STY_MAX_CUBE texels a side. */
+StyStatus sty_create_cube(int size, const StyFeature axes[3], int source_width, int source_height, StyLut **out,
+                          StyError *error);
 void sty_destroy_lut(StyLut **lut);
 
 static inline size_t sty_count_texels(const StyLutSpec *spec) { return (size_t)spec->width * (size_t)spec->height; }
 
 /* The guide value (g[0], g[1]) that texel (i, j) answers for. */
 void sty_get_texel_value(const StyLutSpec *spec, int i, int j, float g[2]);
+
+/* The channels' values, without weights, that texel (i, j) of slice k of a cube answers for. */
+void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]);
 
 /* Whether texel (i, j) is feasible. */
 bool sty_is_feasible(const StyLutSpec *spec, int i, int j);
@@ -116,7 +167,8 @@ typedef struct StyEngine {
   const char *name;
   const char *summary; /* for --help */
   bool exact;
-  /* Fills pixels, errors and unique of *lut; `sites` aren't empty. */
+  int least_dims, most_dims; /* of sites that it takes */
+  /* Fills pixels, errors and unique of *lut; `sites` aren't empty and have dims that it takes. */
   StyStatus (*build)(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                      StyError *error);
 } StyEngine;
@@ -124,13 +176,23 @@ typedef struct StyEngine {
 /* All engines; the last has a NULL name. The first is the reference. */
 extern const StyEngine sty_engines[];
 
-/* By name; "auto" takes the fastest exact one. STY_ERROR_USAGE lists the names. */
+/* By name; "auto" takes the fastest exact one for flat tables. STY_ERROR_USAGE lists the names. */
 StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error);
 
-/* Builds a table; the caller owns it. `options` may be NULL: the defaults.
- * STY_ERROR_UNAVAILABLE: an engine that this build goes without. */
+/* The fastest exact engine: for flat tables, or for cubes and fields (match.h),
+ * whose values lie less densely, or in no order. */
+const StyEngine *sty_get_fastest_engine(bool flat);
+
+/* Builds a table from sites of two dimensions; the caller owns it. `options` may
+ * be NULL: the defaults. STY_ERROR_UNAVAILABLE: an engine that this build goes
+ * without. */
 StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
                         const StyLutSpec *spec, const StyRun *run, StyLut **out, StyError *error);
+
+/* The same for a cube, from sites of three dimensions, whose features become its
+ * axes. STY_ERROR_USAGE names the engines that can, where this one can't. */
+StyStatus sty_build_cube(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options, int size,
+                         const StyRun *run, StyLut **out, StyError *error);
 
 /* What rules the choice among the source pixels of nearly equal distance. */
 typedef struct StyResolveOptions {
@@ -152,13 +214,14 @@ typedef struct StyResolveOptions {
 StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOptions *options, const StyRun *run,
                           StyError *error);
 
-/* What an engine answers to one guide value, wherever the texels of tables stand:
- * the source pixel, by the tie rule for exact engines, and its distance by the
- * metric. Distances are compared in float, of 8-bit guides too. `options` may be
- * NULL: the defaults. Errors as of sty_build_lut; STY_ERROR_INPUT: a value that isn't
- * finite or lies outside STY_MAX_GUIDE_VALUE. */
+/* What an engine answers to one value (of the sites' dims), wherever the texels of
+ * tables stand: the source pixel, by the tie rule for exact engines, and its
+ * distance by the metric. Distances are compared in float, of 8-bit guides too.
+ * `options` may be NULL: the defaults. Errors as of sty_build_lut; the metric
+ * angle takes sites of two dimensions. STY_ERROR_INPUT: a value that isn't finite or
+ * lies outside STY_MAX_GUIDE_VALUE. */
 StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
-                         StyMetric metric, const float g[2], const StyRun *run, uint32_t *pixel, float *distance,
+                         StyMetric metric, const float *g, const StyRun *run, uint32_t *pixel, float *distance,
                          StyError *error);
 
 /* How a table is stored. With u = (x+1/2)/W, v = (y+1/2)/H of the source pixel:
@@ -167,6 +230,7 @@ StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const S
  *   rg8x2  8 bit, R G = high and low byte of the 16-bit u, B A = of v
  *   rg8    8 bit, R = u, G = v, B = 0: what older plugins use; loses precision
  *          for sources of 255 pixels and more
+ * Cubes are stored as they stand, and name their depth and axes in attributes.
  * Integers are those of sty_encode_coordinate with a maximum of 255 or 65535. */
 typedef enum StyEncoding { STY_ENCODE_F32, STY_ENCODE_RG16, STY_ENCODE_RG8X2, STY_ENCODE_RG8 } StyEncoding;
 extern const char *const sty_encoding_names[];

@@ -18,6 +18,9 @@ StyStatus sty_parse_integer(const char *what, const char *text, long long minimu
 StyStatus sty_parse_number(const char *what, const char *text, double minimum, double maximum, double *out,
                            StyError *error);
 
+/* Bytes: a whole number, or one followed by K, M or G (1024, 1024^2, 1024^3). */
+StyStatus sty_parse_bytes(const char *what, const char *text, long long minimum, long long *out, StyError *error);
+
 /* "WxH" or "N" for N x N; each side from 1 to `maximum`. */
 StyStatus sty_parse_size(const char *what, const char *text, int maximum, int *width, int *height, StyError *error);
 

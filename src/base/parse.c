@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,22 @@ StyStatus sty_parse_number(const char *what, const char *text, double minimum, d
     return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected a number from %g to %g", what, text, minimum,
                     maximum);
   *out = value;
+  return STY_OK;
+}
+
+StyStatus sty_parse_bytes(const char *what, const char *text, long long minimum, long long *out, StyError *error) {
+  static const char suffixes[] = "KMG";
+  char digits[24] = "";
+  const size_t length = strlen(text);
+  const char *suffix = length ? strchr(suffixes, text[length - 1]) : NULL;
+  const int shift = suffix ? 10 * (int)(suffix - suffixes + 1) : 0;
+  long long number;
+  if (length < sizeof digits) memcpy(digits, text, suffix ? length - 1 : length);
+  if (sty_parse_integer(what, digits, 0, LLONG_MAX >> shift, &number, NULL) || number << shift < minimum)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "%s: found '%s', expected bytes: a whole number from %lld, or one followed by K, M or G", what,
+                    text, minimum);
+  *out = number << shift;
   return STY_OK;
 }
 

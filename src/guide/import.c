@@ -5,9 +5,15 @@
 
 #include "stylut/guide.h"
 
-/* Channels that come along as they are where a picture has them. */
-static const char *const EXTRAS[] = {"depth.Z", "style.I", "object.I"};
-enum { EXTRA_COUNT = sizeof EXTRAS / sizeof *EXTRAS, BASE_COUNT = 4 };
+enum { BASE_COUNT = 4 }; /* A and the normals */
+
+/* Whether a channel comes along as it is: other layers than the normals. */
+static bool is_extra(const char *name) {
+  static const char *const normals[] = {"normal.X", "normal.Y", "normal.Z"};
+  for (int k = 0; k < 3; k++)
+    if (strcmp(name, normals[k]) == 0) return false;
+  return strchr(name, '.') != NULL;
+}
 
 /* Where the normals of a picture are. */
 typedef struct Source {
@@ -87,10 +93,10 @@ StyStatus sty_import_guide(const char *name, StyImage **image, StyError *error) 
   Source source;
   StyStatus status = find_source(name, *image, &source, error);
   if (status != STY_OK) return status;
-  const char *names[BASE_COUNT + EXTRA_COUNT] = {"A", "normal.X", "normal.Y", "normal.Z"};
+  const char *names[BASE_COUNT + STY_MAX_CHANNELS] = {"A", "normal.X", "normal.Y", "normal.Z"};
   int count = BASE_COUNT;
-  for (int e = 0; e < EXTRA_COUNT; e++)
-    if (sty_find_channel(*image, EXTRAS[e])) names[count++] = EXTRAS[e];
+  for (int c = 0; c < (*image)->channel_count; c++)
+    if (is_extra((*image)->names[c])) names[count++] = (*image)->names[c];
   StyImage *guide = NULL;
   status = sty_create_image((*image)->width, (*image)->height, count, names, (*image)->bits, &guide, error);
   if (status != STY_OK) return status;

@@ -21,7 +21,7 @@ static double scan_levels(const StyPoints *points, const StyQuery *query) {
   return best[0];
 }
 
-static float scan_values(int dims, const float *values, size_t count, const float *at) {
+static inline float scan_values(int dims, const float *values, size_t count, const float *at) {
   float best[LANES];
   size_t p = 0;
   for (int k = 0; k < LANES; k++) best[k] = INFINITY;
@@ -35,14 +35,24 @@ static float scan_values(int dims, const float *values, size_t count, const floa
   return best[0];
 }
 
+/* Any number of dimensions, one point at a time. */
+static float scan_long_values(int dims, const float *values, size_t count, const float *at) {
+  float best = INFINITY;
+  for (size_t p = 0; p < count; p++) best = fminf(best, sty_square_distance(dims, at, values + (size_t)dims * p));
+  return best;
+}
+
+static double find_least(const StyPoints *points, const StyQuery *query) {
+  if (points->measure.integer) return scan_levels(points, query);
+  switch (points->measure.dims) {
+    case 2: return (double)scan_values(2, points->values, points->count, query->at);
+    case 3: return (double)scan_values(3, points->values, points->count, query->at);
+    default: return (double)scan_long_values(points->measure.dims, points->values, points->count, query->at);
+  }
+}
+
 size_t sty_scan_points(const StyPoints *points, const StyQuery *query) {
-  double best;
-  if (points->measure.integer)
-    best = scan_levels(points, query);
-  else if (points->measure.dims == 2)
-    best = (double)scan_values(2, points->values, points->count, query->at);
-  else
-    best = (double)scan_values(3, points->values, points->count, query->at);
+  const double best = find_least(points, query);
   /* Points ascend by pixel: the first at the minimum is the lowest. */
   size_t nearest = 0;
   while (sty_measure_point(points, nearest, query) != best) nearest++;

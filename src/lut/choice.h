@@ -36,7 +36,7 @@ typedef struct StyChoice {
 /* Squared distance of a pixel from a texel's place, by the metric. */
 static inline float sty_measure_option(const StyChoice *choice, int texel, uint32_t pixel) {
   const size_t at = (size_t)sty_get_y(pixel) * (size_t)choice->lut->source_width + (size_t)sty_get_x(pixel);
-  float value[3];
+  float value[3] = {0};
   for (int k = 0; k < choice->dims; k++) value[k] = choice->values[k][at];
   return sty_square_distance(choice->dims, choice->places + (size_t)choice->dims * (size_t)texel, value);
 }

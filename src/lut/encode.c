@@ -2,13 +2,15 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "stylut/lut.h"
+#include "lut/engine.h"
 #include "stylut/parse.h"
 
 const char *const sty_foreign_names[] = {"stylut", "unity", "rg8", "rg16", "rg8x2", NULL};
 const char *const sty_encoding_names[] = {"f32", "rg16", "rg8x2", "rg8", NULL};
 
 static const uint32_t max16 = 65535, max8 = 255;
+
+float sty_get_coordinate(uint32_t pixel, uint32_t side) { return (float)(2 * pixel + 1) / (float)(2 * side); }
 
 /* The four byte- or short-sized values of a texel under an integer encoding. */
 static void pack_texel(StyEncoding encoding, uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t v[4]) {
@@ -19,6 +21,14 @@ static void pack_texel(StyEncoding encoding, uint32_t x, uint32_t y, uint32_t wi
   } else {
     v[0] = u16, v[1] = v16, v[2] = v[3] = 0;
   }
+}
+
+static StyStatus describe_cube(const StyLut *lut, StyImage *image, StyError *error) {
+  char depth[32], channels[STY_FEATURES_SIZE];
+  snprintf(depth, sizeof depth, "%d", lut->depth);
+  sty_write_features(lut->axes, 3, channels);
+  const StyStatus status = sty_set_attribute(image, "stylut:depth", depth, error);
+  return status ? status : sty_set_attribute(image, "stylut:channels", channels, error);
 }
 
 static StyStatus describe_lut(const StyLut *lut, StyEncoding encoding, StyImage *image, StyError *error) {
@@ -35,7 +45,7 @@ static StyStatus describe_lut(const StyLut *lut, StyEncoding encoding, StyImage 
   StyStatus status = STY_OK;
   for (size_t i = 0; !status && i < sizeof pairs / sizeof *pairs; i++)
     status = sty_set_attribute(image, pairs[i][0], pairs[i][1], error);
-  return status;
+  return status || !lut->depth ? status : describe_cube(lut, image, error);
 }
 
 StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out, StyError *error) {
@@ -55,8 +65,8 @@ StyStatus sty_encode_lut(const StyLut *lut, StyEncoding encoding, StyImage **out
   for (size_t t = 0; t < texels; t++) {
     const uint32_t x = lut->pixels[t] % width, y = lut->pixels[t] / width;
     if (is_float) {
-      image->data[t] = (float)(2 * x + 1) / (float)(2 * width);
-      image->data[texels + t] = (float)(2 * y + 1) / (float)(2 * height);
+      image->data[t] = sty_get_coordinate(x, width);
+      image->data[texels + t] = sty_get_coordinate(y, height);
       image->data[2 * texels + t] = lut->errors[t];
     } else {
       uint32_t v[4];
@@ -144,17 +154,65 @@ static StyStatus find_source_size(const char *name, const StyImage *image, StyLu
   return STY_OK;
 }
 
-/* What kind of table an image is: from its attributes, else from its shape.
- * `facts` holds what the caller knew and receives what the file says. */
-static StyStatus recognize_lut(const char *name, const StyImage *image, StyEncoding *encoding, StyLutHints *facts,
+/* What kind of table an image holds. */
+typedef struct Kind {
+  StyEncoding encoding;
+  int depth; /* as in StyLut, and so are the axes */
+  StyFeature axes[3];
+  int map, metric;
+} Kind;
+
+static StyStatus find_depth(const char *name, const StyImage *image, Kind *kind, StyError *error) {
+  const char *text = sty_find_attribute(image, "stylut:depth");
+  const char *channels = sty_find_attribute(image, "stylut:channels");
+  StyFeature features[STY_MOST_DIMS];
+  long long depth;
+  int count = 0;
+  if (!text) return STY_OK;
+  if (sty_parse_integer("stylut:depth", text, 1, STY_MAX_CUBE, &depth, NULL) || image->width != depth ||
+      image->height != depth * depth)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: found %dx%d pixels and stylut:depth = %s, expected slices as many as they are wide", name,
+                    image->width, image->height, text);
+  if (!channels || sty_parse_features("stylut:channels", channels, features, &count, NULL) || count != 3)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found stylut:channels = %s, expected three channels", name,
+                    channels ? channels : "nothing");
+  memcpy(kind->axes, features, sizeof kind->axes);
+  kind->depth = (int)depth;
+  return STY_OK;
+}
+
+/* From its attributes, else from its shape. `facts` holds what the caller knew
+ * and receives what the file says. */
+static StyStatus recognize_lut(const char *name, const StyImage *image, Kind *kind, StyLutHints *facts,
                                StyError *error) {
+  StyStatus status = facts->foreign ? STY_OK : find_depth(name, image, kind, error);
   const bool square = image->width == image->height || facts->foreign == STY_FOREIGN_UNITY;
-  if (!square || image->width > STY_MAX_LUT_SIZE || image->height > STY_MAX_LUT_SIZE)
+  const bool fits = square && image->width <= STY_MAX_LUT_SIZE && image->height <= STY_MAX_LUT_SIZE;
+  if (!status && !kind->depth && !fits)
     return sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a square LUT of at most %d", name,
                     image->width, image->height, STY_MAX_LUT_SIZE);
-  StyStatus status = choose_encoding(name, image, facts->foreign, encoding, error);
+  if (!status) status = choose_encoding(name, image, facts->foreign, &kind->encoding, error);
   if (!status) status = find_sampling(name, image, facts, error);
   if (!status) status = find_source_size(name, image, facts, error);
+  return status;
+}
+
+/* The table that the image is to fill. */
+static StyStatus create_lut(const char *name, const StyImage *image, const Kind *kind, const StyLutHints *facts,
+                            StyLut **out, StyError *error) {
+  const StyLutSpec spec = {image->width, image->height, (StySampling)facts->sampling, (StyMap)kind->map,
+                           (StyMetric)kind->metric};
+  const bool plain = spec.sampling == STY_SAMPLE_CENTRE && spec.map == STY_MAP_XY && spec.metric == STY_METRIC_XY;
+  if (kind->depth && !plain)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: found three dimensions with sampling %s, map %s and metric %s, expected centre, xy and xy",
+                    name, sty_sampling_names[spec.sampling], sty_map_names[spec.map], sty_metric_names[spec.metric]);
+  const StyStatus status =
+      kind->depth ? sty_create_cube(kind->depth, kind->axes, facts->source_width, facts->source_height, out, error)
+                  : sty_create_lut(&spec, facts->source_width, facts->source_height, out, error);
+  /* What nobody may ask for is the file's fault here. */
+  if (status == STY_ERROR_USAGE) return sty_fail(error, STY_ERROR_INPUT, "%s: %s", name, error ? error->text : "");
   return status;
 }
 
@@ -196,14 +254,15 @@ static void decode_integers(const float *const planes[4], StyEncoding encoding, 
 
 StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHints *hints, StyLut **out,
                          StyError *error) {
-  StyEncoding encoding = STY_ENCODE_F32;
+  Kind kind = {.encoding = STY_ENCODE_F32, .map = STY_MAP_XY, .metric = STY_METRIC_XY};
   StyLutHints facts = *hints;
   StyStatus status = check_kind(name, image, error);
-  if (!status) status = recognize_lut(name, image, &encoding, &facts, error);
+  if (!status) status = recognize_lut(name, image, &kind, &facts, error);
   if (status) return status;
   static const char *const float_names[4] = {"u", "v", "error"}, *const integer_names[4] = {"R", "G", "B", "A"};
-  const bool is_float = encoding == STY_ENCODE_F32;
-  const int wanted = encoding == STY_ENCODE_RG8X2 ? 4 : 2, bits = is_float ? 32 : encoding == STY_ENCODE_RG16 ? 16 : 8;
+  const bool is_float = kind.encoding == STY_ENCODE_F32;
+  const int wanted = kind.encoding == STY_ENCODE_RG8X2 ? 4 : 2;
+  const int bits = is_float ? 32 : kind.encoding == STY_ENCODE_RG16 ? 16 : 8;
   const float *planes[4] = {NULL};
   bool complete = image->bits == bits;
   for (int c = 0; c < wanted; c++) {
@@ -212,23 +271,18 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
   }
   if (!complete)
     return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected a %s LUT", name, image->bits,
-                    image->names[0], sty_encoding_names[encoding]);
-  int map = STY_MAP_XY, metric = STY_METRIC_XY;
-  status = read_choice(name, image, "stylut:map", sty_map_names, &map, error);
-  if (!status) status = read_choice(name, image, "stylut:metric", sty_metric_names, &metric, error);
-  if (status) return status;
-  const StyLutSpec spec = {image->width, image->height, (StySampling)facts.sampling, (StyMap)map, (StyMetric)metric};
+                    image->names[0], sty_encoding_names[kind.encoding]);
   StyLut *lut = NULL;
-  status = sty_create_lut(&spec, facts.source_width, facts.source_height, &lut, error);
-  /* What nobody may ask for is the file's fault here. */
-  if (status == STY_ERROR_USAGE) return sty_fail(error, STY_ERROR_INPUT, "%s: %s", name, error ? error->text : "");
+  status = read_choice(name, image, "stylut:map", sty_map_names, &kind.map, error);
+  if (!status) status = read_choice(name, image, "stylut:metric", sty_metric_names, &kind.metric, error);
+  if (!status) status = create_lut(name, image, &kind, &facts, &lut, error);
   if (status) return status;
   const float *errors = is_float ? sty_find_channel(image, float_names[2]) : NULL;
   if (errors) memcpy(lut->errors, errors, sty_count_pixels(image) * sizeof *errors);
   if (is_float)
     status = decode_floats(name, planes[0], planes[1], lut, error);
   else
-    decode_integers(planes, encoding, facts.foreign == STY_FOREIGN_UNITY, lut);
+    decode_integers(planes, kind.encoding, facts.foreign == STY_FOREIGN_UNITY, lut);
   if (status)
     sty_destroy_lut(&lut);
   else

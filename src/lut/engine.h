@@ -21,12 +21,28 @@ StyStatus sty_build_cgal(const StySites *sites, const StyEngineOptions *options,
 StyStatus sty_build_grid(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                          StyError *error);
 
+/* ---- what is asked ------------------------------------------------------------ */
+
+/* sty_collect_features with the features of another guide's sites, for a guide that
+ * need not show anything: then there are no sites. */
+StyStatus sty_collect_target(const char *name, const StyImage *guide, const StySites *source, StySites **out,
+                             StyError *error);
+
+/* sty_create_lut without its limits. */
+StyStatus sty_allocate_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error);
+
+/* sty_ask_engine for `count` values, 1 or more: a table of any shape, whose first `count` texels are the answers. */
+StyStatus sty_answer_values(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options,
+                            StyMetric metric, const float *values, size_t count, const StyRun *run, StyLut **out,
+                            StyError *error);
+
 /* ---- the one distance that all exact engines agree on ------------------------- */
 
 /* How distances are measured for a guide and a table. In integers, texels and
  * levels stand on one scale of fine steps: byte b at `scale * b`. */
 typedef struct StyMeasure {
-  int dims;     /* of points: 2, or 3 for the metric angle */
+  int dims;     /* of points: those of the sites, or 3 for the metric angle */
+  bool angle;   /* points are lifted from two dimensions */
   bool integer; /* levels are compared in integers (held in double, where all of them are exact) */
   int scale;    /* integer steps per level */
   double unit;  /* guide units per integer step; 1 for float distances */
@@ -34,29 +50,28 @@ typedef struct StyMeasure {
 
 StyMeasure sty_choose_measure(const StySites *sites, const StyLutSpec *spec);
 
-/* A point of the metric's space: for `angle` the third coordinate is added and
- * values outside the disc are shortened to its rim. */
+/* A guide value as a point of the metric's space: for `angle` (3 dims) the third
+ * coordinate is added and values outside the disc are shortened to its rim. */
 void sty_lift(int dims, const float g[2], float out[3]);
 
 /* The third coordinate of a lifted point. */
 float sty_get_height(float x, float y);
 
 typedef struct StyQuery {
-  float at[3];     /* in the metric's space */
-  double steps[2]; /* for integer measures: the texel's place in steps */
+  float at[STY_MOST_DIMS]; /* in the metric's space */
+  double steps[2];         /* for integer measures: the texel's place in steps */
 } StyQuery;
 
-/* The guide value that texel (i, j) is to answer for: its own, unless another is asked. */
-void sty_get_asked_value(const StyLut *lut, int i, int j, float g[2]);
+/* The value (of the sites' dims) that texel (i, j) is to answer for: its own, unless another is asked. */
+void sty_get_asked_value(const StyLut *lut, int dims, int i, int j, float *g);
 
 void sty_make_query(const StyMeasure *measure, const StyLut *lut, int i, int j, StyQuery *out);
 
 /* Squared, in the shape that lut.h states: rounding depends on it. */
 static inline float sty_square_distance(int dims, const float a[], const float b[]) {
-  const float dx = a[0] - b[0], dy = a[1] - b[1];
-  if (dims == 2) return dx * dx + dy * dy;
-  const float dz = a[2] - b[2];
-  return dx * dx + dy * dy + dz * dz;
+  float sum = (a[0] - b[0]) * (a[0] - b[0]);
+  for (int k = 1; k < dims; k++) sum = sum + (a[k] - b[k]) * (a[k] - b[k]);
+  return sum;
 }
 
 /* The same in integers, to a site of these two levels. */
@@ -68,6 +83,9 @@ static inline double sty_square_steps(const StyMeasure *measure, const StyQuery 
 
 /* Writes a texel's answer: the source pixel, and the squared distance measured. */
 void sty_set_texel(StyLut *lut, const StyMeasure *measure, size_t texel, uint32_t pixel, double squared);
+
+/* u or v of a source pixel, as floats store it. */
+float sty_get_coordinate(uint32_t pixel, uint32_t side);
 
 /* ---- points ------------------------------------------------------------------- */
 

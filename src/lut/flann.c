@@ -3,6 +3,7 @@
  * Muja, Lowe, "Fast Approximate Nearest Neighbors", 2009. */
 #include <flann/flann.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "lut/engine.h"
 #include "stylut/version.h"
@@ -40,14 +41,16 @@ static void close_index(Index *index) { flann_free_index_float(index->index, &in
 static bool find_nearest(const StySearch *search, const float *at, int count, int *found) {
   const Index *index = search->index;
   struct FLANNParameters parameters = index->parameters;
-  float query[3] = {at[0], at[1], search->points->measure.dims == 3 ? at[2] : 0}, distances[64];
+  float query[STY_MOST_DIMS], distances[64];
+  memcpy(query, at, (size_t)search->points->measure.dims * sizeof *query);
   return flann_find_nearest_neighbors_index_float(index->index, query, 1, found, distances, count, &parameters) == 0;
 }
 
 static int find_within(const StySearch *search, const float *at, float squared_radius, int most, int *found) {
   const Index *index = search->index;
   struct FLANNParameters parameters = index->parameters;
-  float query[3] = {at[0], at[1], search->points->measure.dims == 3 ? at[2] : 0};
+  float query[STY_MOST_DIMS];
+  memcpy(query, at, (size_t)search->points->measure.dims * sizeof *query);
   float *distances = malloc((size_t)most * sizeof *distances);
   if (!distances) return -1;
   const int count = flann_radius_search_float(index->index, query, found, distances, most, squared_radius, &parameters);
@@ -94,7 +97,7 @@ static StyStatus answer_row(const Job *job, int j, float *queries, int *found, f
   StyQuery query;
   for (int i = 0; i < width; i++) {
     sty_make_query(measure, job->lut, i, j, &query);
-    for (int k = 0; k < measure->dims; k++) queries[i * measure->dims + k] = query.at[k];
+    memcpy(queries + i * measure->dims, query.at, (size_t)measure->dims * sizeof *queries);
   }
   struct FLANNParameters parameters = job->index->parameters;
   if (flann_find_nearest_neighbors_index_float(job->index->index, queries, width, found, distances, 1, &parameters) !=
@@ -114,11 +117,12 @@ static StyStatus answer_row(const Job *job, int j, float *queries, int *found, f
 
 static StyStatus build_row(void *context, long j, StyError *error) {
   const Job *job = context;
-  const size_t width = (size_t)job->lut->spec.width;
-  float *queries = malloc(width * 3 * sizeof *queries), *distances = malloc(width * sizeof *distances);
+  const size_t width = (size_t)job->lut->spec.width, dims = (size_t)job->points->measure.dims;
+  float *queries = malloc(width * dims * sizeof *queries), *distances = malloc(width * sizeof *distances);
   int *found = malloc(width * sizeof *found);
-  const StyStatus status = queries && distances && found ? answer_row(job, (int)j, queries, found, distances, error)
-                                                         : sty_fail_memory(error, job->name, (double)width * 20);
+  const StyStatus status = queries && distances && found
+                               ? answer_row(job, (int)j, queries, found, distances, error)
+                               : sty_fail_memory(error, job->name, (double)width * (double)(4 * dims + 8));
   free(queries);
   free(distances);
   free(found);

@@ -1,25 +1,15 @@
-#include "stylut/lut.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
+#include "lut/engine.h"
 
 const char *const sty_sampling_names[] = {"centre", "unorm8", "corner", NULL};
 const char *const sty_map_names[] = {"xy", "equal-area", NULL};
 const char *const sty_metric_names[] = {"xy", "angle", NULL};
 
-StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error) {
-  const int smallest = spec->sampling == STY_SAMPLE_UNORM8 ? 2 : 1;
-  const int shorter = spec->width < spec->height ? spec->width : spec->height;
-  const int longer = spec->width > spec->height ? spec->width : spec->height;
-  if (shorter < smallest || longer > STY_MAX_LUT_SIZE)
-    return sty_fail(error, STY_ERROR_USAGE, "LUT size: found %d, expected %d to %d",
-                    shorter < smallest ? shorter : longer, smallest, STY_MAX_LUT_SIZE);
-  if (spec->sampling != STY_SAMPLE_CENTRE && spec->map != STY_MAP_XY)
-    return sty_fail(error, STY_ERROR_USAGE, "LUT: found sampling %s with map %s, expected sampling centre",
-                    sty_sampling_names[spec->sampling], sty_map_names[spec->map]);
+StyStatus sty_allocate_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error) {
   if (source_width < 1 || source_height < 1 || source_width > STY_MAX_SIDE || source_height > STY_MAX_SIDE)
     return sty_fail(error, STY_ERROR_INPUT, "LUT: found a source of %d x %d pixels, expected sides of 1 to %d",
                     source_width, source_height, STY_MAX_SIDE);
@@ -36,6 +26,34 @@ StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_he
   }
   memset(lut->pixels, 0, texels * sizeof *lut->pixels);
   memset(lut->errors, 0, texels * sizeof *lut->errors);
+  *out = lut;
+  return STY_OK;
+}
+
+StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error) {
+  const int smallest = spec->sampling == STY_SAMPLE_UNORM8 ? 2 : 1;
+  const int shorter = spec->width < spec->height ? spec->width : spec->height;
+  const int longer = spec->width > spec->height ? spec->width : spec->height;
+  if (shorter < smallest || longer > STY_MAX_LUT_SIZE)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT size: found %d, expected %d to %d",
+                    shorter < smallest ? shorter : longer, smallest, STY_MAX_LUT_SIZE);
+  if (spec->sampling != STY_SAMPLE_CENTRE && spec->map != STY_MAP_XY)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT: found sampling %s with map %s, expected sampling centre",
+                    sty_sampling_names[spec->sampling], sty_map_names[spec->map]);
+  return sty_allocate_lut(spec, source_width, source_height, out, error);
+}
+
+StyStatus sty_create_cube(int size, const StyFeature axes[3], int source_width, int source_height, StyLut **out,
+                          StyError *error) {
+  if (size < 1 || size > STY_MAX_CUBE)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT size: found %d, expected 1 to %d for three dimensions", size,
+                    STY_MAX_CUBE);
+  const StyLutSpec spec = {size, size * size, STY_SAMPLE_CENTRE, STY_MAP_XY, STY_METRIC_XY};
+  StyLut *lut = NULL;
+  const StyStatus status = sty_allocate_lut(&spec, source_width, source_height, &lut, error);
+  if (status) return status;
+  lut->depth = size;
+  memcpy(lut->axes, axes, sizeof lut->axes);
   *out = lut;
   return STY_OK;
 }
@@ -71,6 +89,19 @@ void sty_get_texel_value(const StyLutSpec *spec, int i, int j, float g[2]) {
   const float squared = square_length(g), stretch = squared > 1 ? 1 / sqrtf(squared) : sqrtf(2 - squared);
   g[0] *= stretch;
   g[1] *= stretch;
+}
+
+/* `step` of the steps 0, 1, ... along an axis. */
+static float get_axis_value(const StyLut *lut, int axis, int step) {
+  const bool is_normal = strncmp(lut->axes[axis].channel, "normal.", 7) == 0;
+  return is_normal ? (float)(2 * step + 1 - lut->depth) / (float)lut->depth
+                   : (float)(2 * step + 1) / (float)(2 * lut->depth);
+}
+
+void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]) {
+  g[0] = get_axis_value(lut, 0, i);
+  g[1] = get_axis_value(lut, 1, lut->depth - 1 - j);
+  g[2] = get_axis_value(lut, 2, k);
 }
 
 bool sty_is_feasible(const StyLutSpec *spec, int i, int j) {

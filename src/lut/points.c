@@ -8,7 +8,7 @@
 StyMeasure sty_choose_measure(const StySites *sites, const StyLutSpec *spec) {
   const bool angle = spec->metric == STY_METRIC_ANGLE;
   if (!sites->levels || angle || spec->map != STY_MAP_XY || spec->width != spec->height)
-    return (StyMeasure){.dims = angle ? 3 : 2, .unit = 1};
+    return (StyMeasure){.dims = angle ? 3 : sites->dims, .angle = angle, .unit = 1};
   /* With L texels: 255(2i+1) - 2L b for centres; 255 i - (L-1) b for bytes; 255 i - L b for corners. */
   const bool centre = spec->sampling == STY_SAMPLE_CENTRE;
   const int n = spec->sampling == STY_SAMPLE_UNORM8 ? spec->width - 1 : spec->width;
@@ -35,17 +35,30 @@ float sty_get_height(float x, float y) {
   return rest > 0 ? sqrtf(rest) : 0;
 }
 
-void sty_get_asked_value(const StyLut *lut, int i, int j, float g[2]) {
-  if (lut->asked)
-    memcpy(g, lut->asked + 2 * ((size_t)j * (size_t)lut->spec.width + (size_t)i), 2 * sizeof *g);
-  else
+void sty_get_asked_value(const StyLut *lut, int dims, int i, int j, float *g) {
+  if (lut->asked) {
+    const size_t texel = (size_t)j * (size_t)lut->spec.width + (size_t)i, last = lut->asked_count - 1;
+    memcpy(g, lut->asked + (size_t)dims * (texel < last ? texel : last), (size_t)dims * sizeof *g);
+  } else if (lut->depth) {
+    sty_get_cube_value(lut, i, j % lut->depth, j / lut->depth, g);
+    for (int k = 0; k < 3; k++) g[k] *= lut->axes[k].weight;
+  } else {
     sty_get_texel_value(&lut->spec, i, j, g);
+  }
+}
+
+/* A value of a site or texel in the metric's space. */
+static void place_value(const StyMeasure *measure, const float *value, float *out) {
+  if (measure->angle)
+    sty_lift(3, value, out);
+  else
+    memcpy(out, value, (size_t)measure->dims * sizeof *out);
 }
 
 void sty_make_query(const StyMeasure *measure, const StyLut *lut, int i, int j, StyQuery *out) {
-  float g[2];
-  sty_get_asked_value(lut, i, j, g);
-  sty_lift(measure->dims, g, out->at);
+  float g[STY_MOST_DIMS];
+  sty_get_asked_value(lut, measure->angle ? 2 : measure->dims, i, j, g);
+  place_value(measure, g, out->at);
   if (!measure->integer) return;
   const int up = lut->spec.height - 1 - j;
   const bool centre = lut->spec.sampling == STY_SAMPLE_CENTRE;
@@ -60,22 +73,24 @@ void sty_set_texel(StyLut *lut, const StyMeasure *measure, size_t texel, uint32_
 
 /* ---- collapsing --------------------------------------------------------------- */
 
-/* A point's x and y; its z, where there is one, follows from them. */
-static uint64_t get_key(const float *value) {
-  uint64_t key;
-  memcpy(&key, value, sizeof key);
-  return key;
+static uint64_t get_hash(const float *value, size_t dims) {
+  uint64_t hash = 0;
+  for (size_t k = 0; k < dims; k += 2) {
+    uint64_t pair = 0;
+    memcpy(&pair, value + k, (dims - k < 2 ? dims - k : 2) * sizeof *value);
+    hash = sty_mix_bits(hash ^ pair);
+  }
+  return hash;
 }
 
 /* Appends the point unless an earlier one has the same place. `slots` is an open
  * hash table of point number + 1; pixels come in ascending order, so the first
  * to arrive is the lowest. */
-static bool add_point(StyPoints *points, uint32_t *slots, size_t mask, const float value[3], uint32_t pixel) {
-  const uint64_t key = get_key(value);
+static bool add_point(StyPoints *points, uint32_t *slots, size_t mask, const float *value, uint32_t pixel) {
   const size_t dims = (size_t)points->measure.dims;
-  size_t slot = (size_t)sty_mix_bits(key) & mask;
+  size_t slot = (size_t)get_hash(value, dims) & mask;
   while (slots[slot]) {
-    if (get_key(points->values + dims * (size_t)(slots[slot] - 1)) == key) return false;
+    if (memcmp(points->values + dims * (size_t)(slots[slot] - 1), value, dims * sizeof *value) == 0) return false;
     slot = (slot + 1) & mask;
   }
   memcpy(points->values + dims * points->count, value, dims * sizeof *value);
@@ -96,11 +111,11 @@ StyStatus sty_collapse_sites(const StySites *sites, const StyLutSpec *spec, StyP
   if (!slots || !points.values || !points.pixels || (points.measure.integer && !points.levels)) {
     free(slots);
     sty_free_points(&points);
-    return sty_fail_memory(error, "LUT points", (double)sites->count * 16 + (double)slot_count * 4);
+    return sty_fail_memory(error, "LUT points", (double)sites->count * (double)(4 * dims + 8) + (double)slot_count * 4);
   }
   for (size_t s = 0; s < sites->count; s++) {
-    float value[3];
-    sty_lift(points.measure.dims, sites->values + 2 * s, value);
+    float value[STY_MOST_DIMS];
+    place_value(&points.measure, sites->values + (size_t)sites->dims * s, value);
     if (add_point(&points, slots, slot_count - 1, value, sites->pixels[s]) && points.levels)
       memcpy(points.levels + 2 * (points.count - 1), sites->levels + 2 * s, 2);
   }

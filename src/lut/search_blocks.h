@@ -100,7 +100,7 @@ static void set_block(int dims, const StySearchJob *job, int i0, int j0, Block *
     /* Beyond the table's edge the last texel is asked for again. */
     const int i = i0 + l % SIDE, j = j0 + l / SIDE;
     float g[2], at[3];
-    sty_get_asked_value(job->lut, i < spec->width ? i : spec->width - 1, j < spec->height ? j : spec->height - 1, g);
+    sty_get_asked_value(job->lut, 2, i < spec->width ? i : spec->width - 1, j < spec->height ? j : spec->height - 1, g);
     sty_lift(dims, g, at);
     for (int k = 0; k < dims; k++) {
       block->at[k][l] = at[k];

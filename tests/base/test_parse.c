@@ -202,11 +202,54 @@ static void test_choices(void **state) {
   }
 }
 
+static void test_bytes(void **state) {
+  (void)state;
+  static const struct {
+    const char *text;
+    long long value;
+  } good[] = {{"5", 5},
+              {"1073741824", 1LL << 30},
+              {"1K", 1024},
+              {"3M", 3LL << 20},
+              {"2G", 2LL << 30},
+              {"007K", 7168},
+              {"9223372036854775807", INT64_MAX},
+              {"8589934591G", 8589934591LL << 30}};
+  for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+    long long value = 42;
+    StyError error;
+    if (sty_parse_bytes("--what", good[i].text, 5, &value, &error) != STY_OK)
+      fail_msg("'%s': %s", good[i].text, error.text);
+    if (value != good[i].value) fail_msg("'%s' gives %lld", good[i].text, value);
+  }
+  static const char *const bad[] = {"",
+                                    "4",
+                                    "0K",
+                                    "K",
+                                    "-1K",
+                                    "1k",
+                                    "1T",
+                                    "1.5G",
+                                    "1KK",
+                                    "1 K",
+                                    "G1",
+                                    "1e3",
+                                    "8589934592G",
+                                    "9223372036854775808",
+                                    "000000000000000000000000000001"};
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    long long value = 42;
+    StyError error;
+    expect_usage(sty_parse_bytes("--what", bad[i], 5, &value, &error), &error, bad[i]);
+    assert_true(value == 42);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_integers), cmocka_unit_test(test_bad_integers), cmocka_unit_test(test_integer_range),
       cmocka_unit_test(test_numbers),  cmocka_unit_test(test_bad_numbers),  cmocka_unit_test(test_number_range),
-      cmocka_unit_test(test_sizes),    cmocka_unit_test(test_choices),
+      cmocka_unit_test(test_sizes),    cmocka_unit_test(test_choices),      cmocka_unit_test(test_bytes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

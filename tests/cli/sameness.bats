@@ -21,6 +21,9 @@ make_everything() {
     "$stylut" lut other.exr -s 70 -e $engine -q "$@" -o other.$engine.exr || return 1
   done
   "$stylut" lut flat.png -s 40 --sampling unorm8 -q "$@" -o flat.lut.png || return 1
+  "$stylut" match sphere.exr other.exr --channels normal,depth.Z:0.1 -q "$@" -o field.exr || return 1
+  "$stylut" match sphere.exr flat.png -q "$@" -o field.png || return 1
+  "$stylut" lut other.exr --channels normal -s 12 -q "$@" -o cube.exr || return 1
   "$stylut" check other.brute.exr --guide other.exr --format json "$@" >check.json || return 1
   "$stylut" pack art/styles.json -q "$@" -o bundle || return 1
   "$stylut" stylize bundle --guide frame.exr --style oil --nnf nnf.png --chunks chunks.png -q "$@" -o oil.png || return 1
@@ -31,7 +34,7 @@ make_everything() {
 same_folders() {
   diff -rq "$1" "$2" >different.txt || complain "$1 and $2: $(tr '\n' ' ' <different.txt)"
   expect "files of $2" "$(find "$2" -type f | wc -l)" "$(find "$1" -type f | wc -l)"
-  expect 'files compared' "$(find "$2" -type f | wc -l)" 22
+  expect 'files compared' "$(find "$2" -type f | wc -l)" 25
 }
 
 setup_file() { (make_everything "$STYLUT" "$BATS_FILE_TMPDIR/one" -j 1); }

@@ -356,6 +356,71 @@ static void test_mangled_attributes(void **state) {
   assert_true(refused > 50);
 }
 
+/* ---- cubes ----------------------------------------------------------------------- */
+
+static StyLut *make_cube(int size, int width, int height, uint64_t seed) {
+  static const StyFeature axes[] = {{"normal.X", 1}, {"normal.Y", 0.3f}, {"luma.Y", 12.5f}};
+  StyLut *lut = NULL;
+  assert_int_equal(sty_create_cube(size, axes, width, height, &lut, NULL), STY_OK);
+  for (int t = 0; t < size * size * size; t++) {
+    lut->pixels[t] = (uint32_t)draw_below(&seed, width * height);
+    lut->errors[t] = fabsf(draw_signed(&seed));
+  }
+  return lut;
+}
+
+static void test_cubes(void **state) {
+  (void)state;
+  static const int sizes[] = {1, 2, 7, 20};
+  for (int z = 0; z < 4; z++)
+    for (int e = 0; e < 4; e++) {
+      StyLut *lut = make_cube(sizes[z], 50, 33, (uint64_t)z), *back = NULL;
+      StyImage *image = NULL;
+      StyError error = {STY_OK, ""};
+      assert_int_equal(sty_encode_lut(lut, (StyEncoding)e, &image, NULL), STY_OK);
+      expect_layout(lut, (StyEncoding)e, image);
+      if (sty_decode_lut("cube", image, &NO_HINTS, &back, &error)) fail_msg("%s", error.text);
+      expect_spec(&back->spec, &lut->spec);
+      assert_int_equal(back->depth, sizes[z]);
+      assert_memory_equal(back->axes, lut->axes, sizeof lut->axes);
+      assert_memory_equal(back->pixels, lut->pixels, sty_count_texels(&lut->spec) * sizeof *lut->pixels);
+      if (e == STY_ENCODE_F32)
+        assert_memory_equal(back->errors, lut->errors, sty_count_texels(&lut->spec) * sizeof *lut->errors);
+      sty_destroy_lut(&back);
+      sty_destroy_lut(&lut);
+      sty_destroy_image(&image);
+    }
+}
+
+/* One attribute wrong at a time. */
+static void test_bad_cubes(void **state) {
+  (void)state;
+  static const char *const wrong[][3] = {
+      {"stylut:depth", "0", "depth"},
+      {"stylut:depth", "5", "depth"},
+      {"stylut:depth", "4x", "depth"},
+      {"stylut:depth", "257", "depth"},
+      {"stylut:channels", "a,b", "channels"},
+      {"stylut:channels", "a,b,c,d", "channels"},
+      {"stylut:channels", "a,b,c:0", "channels"},
+      {"stylut:sampling", "unorm8", "unorm8"},
+      {"stylut:map", "equal-area", "equal-area"},
+      {"stylut:metric", "angle", "angle"},
+  };
+  for (size_t w = 0; w < sizeof wrong / sizeof *wrong; w++) {
+    StyLut *lut = make_cube(4, 9, 9, w), *back = NULL;
+    StyImage *image = NULL;
+    StyError error = {STY_OK, ""};
+    assert_int_equal(sty_encode_lut(lut, STY_ENCODE_F32, &image, NULL), STY_OK);
+    assert_int_equal(sty_set_attribute(image, wrong[w][0], wrong[w][1], NULL), STY_OK);
+    expect_message(sty_decode_lut("bad-cube.exr", image, &NO_HINTS, &back, &error), STY_ERROR_INPUT, &error,
+                   PARTS("bad-cube.exr", wrong[w][2]));
+    assert_null(back);
+    sty_destroy_lut(&lut);
+    sty_destroy_image(&image);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_names),
@@ -368,6 +433,8 @@ int main(void) {
       cmocka_unit_test(test_shapes),
       cmocka_unit_test(test_source_sizes),
       cmocka_unit_test(test_mangled_attributes),
+      cmocka_unit_test(test_cubes),
+      cmocka_unit_test(test_bad_cubes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
