@@ -171,14 +171,14 @@ static void find_ranges(Panel *panel) {
   panel->y = (Range){panel->y.low / 1.25, panel->y.high * 1.35};
 }
 
-/* 1, 2, 5, 10... or, over many decades, powers of ten. */
+/* As many digits of each decade as there is room for. */
 static void write_tics(FILE *script, char axis, Range range) {
-  const bool coarse = range.high > 1e3 * range.low;
-  const char *separator = "";
+  const double span = range.high / range.low;
+  const char *digits = span > 1e3 ? "1" : span > 10 ? "125" : "123456789", *separator = "";
   fprintf(script, "set %crange [%.9g:%.9g]\nset %ctics (", axis, range.low, range.high, axis);
   for (int decade = (int)floor(log10(range.low)); decade <= (int)ceil(log10(range.high)); decade++)
-    for (int digit = 1; digit <= (coarse ? 1 : 5); digit += digit == 2 ? 3 : 1) {
-      const double at = digit * pow(10, decade);
+    for (const char *digit = digits; *digit; digit++) {
+      const double at = (*digit - '0') * pow(10, decade);
       if (at < range.low || at > range.high) continue;
       fprintf(script, "%s'%g' %.9g", separator, at, at);
       separator = ", ";
