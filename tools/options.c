@@ -52,6 +52,7 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
       break;
     default: return ARGP_ERR_UNKNOWN;
   }
+  options->reached = state->next;
   return end_option(status);
 }
 
@@ -78,6 +79,7 @@ static error_t parse_output(int key, char *argument, struct argp_state *state) {
     case KEY_NO_HISTORY: options->no_history = true; break;
     default: return ARGP_ERR_UNKNOWN;
   }
+  options->reached = state->next;
   return 0;
 }
 
@@ -178,6 +180,14 @@ static void record(Options *options, const char *name, const char *value) {
   free(grown);
 }
 
+/* The word that getopt gave up at: the one before the next, unless that was done
+ * with; then options follow in the same word as the unknown one ("-xyz"). */
+static int find_stop(const Options *options, const struct argp_state *state) {
+  const int before = state->next - 1;
+  const bool was_option = before > 0 && state->argv[before][0] == '-' && state->argv[before][1];
+  return was_option && state->next != options->reached ? before : state->next;
+}
+
 void begin_option(int key, const char *argument, const struct argp_state *state) {
   Options *options = state->input;
   if (key == ARGP_KEY_INIT) {
@@ -186,13 +196,14 @@ void begin_option(int key, const char *argument, const struct argp_state *state)
     return;
   }
   if (key == ARGP_KEY_ERROR) {
-    options->stopped_at = state->next;
+    options->stopped_at = find_stop(options, state);
     return;
   }
   if (key == ARGP_KEY_ARG) {
     record(options, NULL, argument);
     return;
   }
+  options->reached = state->next;
   const struct argp_option *option = find_option(state->root_argp, key);
   const struct argp_child *groups = state->root_argp->children;
   for (int g = 0; !option && groups && groups[g].argp; g++) option = find_option(groups[g].argp, key);
@@ -255,8 +266,8 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
   }
   if (argp_parse(argp, argc, argv, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, arguments) == 0) return STY_OK;
   if (options->error.status) return options->error.status;
-  const int next = options->stopped_at;
-  return explain_option(argp, argv[0], next > 0 && next <= argc ? argv[next - 1] : "", &options->error);
+  const int stop = options->stopped_at;
+  return explain_option(argp, argv[0], stop > 0 && stop < argc ? argv[stop] : "", &options->error);
 }
 
 StyStatus take_argument(Options *options, const char **slot, const char *text) {

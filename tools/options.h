@@ -24,7 +24,8 @@ typedef struct Options {
   const StyEngine *engine; /* NULL: the fastest exact one */
   StyEngineOptions engine_options;
   bool helped;    /* --help was given and answered: nothing is left to do */
-  int stopped_at; /* where in argv parsing failed */
+  int reached;    /* by parsing, in argv: past the option taken last, or at it while others follow in its word */
+  int stopped_at; /* the word in argv that parsing failed at */
   char *history;  /* the options that shape the result, in canonical form */
   StyError error;
 } Options;

@@ -8,30 +8,49 @@
 
 static const size_t largest_document = 16u << 20;
 
+static void locate(const char *text, const char *place, int *line, int *column) {
+  const char *start = text;
+  *line = 1;
+  for (const char *c = text; c < place; c++)
+    if (*c == '\n') {
+      ++*line;
+      start = c + 1;
+    }
+  *column = (int)(place - start) + 1;
+}
+
+/* Jansson passes over zero bytes behind numbers; what looks values up in the text would end there. */
+static StyStatus check_text(const char *name, const char *text, size_t size, StyError *error) {
+  int line, column;
+  const char *zero = memchr(text, 0, size);
+  if (!zero) return STY_OK;
+  locate(text, zero, &line, &column);
+  return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found a zero byte, expected text", name, line, column);
+}
+
+static StyStatus parse(StyDocument *document, size_t size, StyError *error) {
+  const StyStatus status = check_text(document->name, document->text, size, error);
+  if (status) return status;
+  json_error_t cause;
+  document->root = json_loadb(document->text, size, JSON_REJECT_DUPLICATES, &cause);
+  if (!document->root)
+    return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found invalid JSON: %s", document->name, cause.line,
+                    cause.column, cause.text);
+  return json_is_object(document->root) ? STY_OK : sty_fail_value(document, NULL, document->root, "an object", error);
+}
+
 StyStatus sty_read_document(const char *path, StyDocument *out, StyError *error) {
   unsigned char *bytes = NULL;
   size_t size = 0;
-  const StyStatus status = sty_read_file(path, largest_document, &bytes, &size, error);
+  StyStatus status = sty_read_file(path, largest_document, &bytes, &size, error);
   if (status) return status;
   StyDocument document = {strdup(path), (char *)bytes, NULL};
-  if (!document.name) {
+  status = document.name ? parse(&document, size, error) : sty_fail_memory(error, path, (double)strlen(path));
+  if (status)
     sty_close_document(&document);
-    return sty_fail_memory(error, path, (double)strlen(path));
-  }
-  json_error_t cause;
-  document.root = json_loadb(document.text, size, JSON_REJECT_DUPLICATES, &cause);
-  if (!document.root) {
-    sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found invalid JSON: %s", path, cause.line, cause.column, cause.text);
-    sty_close_document(&document);
-    return STY_ERROR_INPUT;
-  }
-  if (!json_is_object(document.root)) {
-    sty_fail_value(&document, NULL, document.root, "an object", error);
-    sty_close_document(&document);
-    return STY_ERROR_INPUT;
-  }
-  *out = document;
-  return STY_OK;
+  else
+    *out = document;
+  return status;
 }
 
 void sty_close_document(StyDocument *document) {
@@ -41,7 +60,7 @@ void sty_close_document(StyDocument *document) {
   *document = (StyDocument){NULL, NULL, NULL};
 }
 
-/* ---- where a value stands ---- The text is known to be valid JSON. */
+/* ---- where a value stands ---- The text is known to be valid JSON without zero bytes. */
 
 static const char *skip_blanks(const char *c) { return c + strspn(c, " \t\r\n"); }
 
@@ -96,17 +115,6 @@ static const char *find_place(const char *text, const StyPath *path) {
   return c;
 }
 
-static void locate(const StyDocument *document, const StyPath *path, int *line, int *column) {
-  const char *place = find_place(document->text, path), *start = document->text;
-  *line = 1;
-  for (const char *c = document->text; c < place; c++)
-    if (*c == '\n') {
-      ++*line;
-      start = c + 1;
-    }
-  *column = (int)(place - start) + 1;
-}
-
 /* ---- messages and typed access ---- */
 
 static void write_path(const StyPath *path, char *out, size_t size) {
@@ -132,7 +140,7 @@ static StyStatus fail_at(const StyDocument *document, const StyPath *path, const
                          StyError *error) {
   int line, column;
   char where[256];
-  locate(document, path, &line, &column);
+  locate(document->text, find_place(document->text, path), &line, &column);
   write_path(path, where, sizeof where);
   return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: %s%sfound %s, expected %s", document->name, line, column, where,
                   *where ? ": " : "", found, expected);

@@ -84,6 +84,10 @@ static void test_zero_byte(void **state) {
   StyError error = {STY_OK, ""};
   write_bytes(scratch, "a.json", text, sizeof text - 1);
   expect_message(sty_read_document(scratch->path, &document, &error), STY_ERROR_INPUT, &error, PARTS(scratch->path));
+  /* Jansson passes over one behind a number. */
+  write_bytes(scratch, "a.json", "{\"a\":\n 1\0, \"b\": 2}", 17);
+  expect_message(sty_read_document(scratch->path, &document, &error), STY_ERROR_INPUT, &error,
+                 PARTS(scratch->path, ":2:3: ", "zero byte"));
   write_bytes(scratch, "a.json", "{\"a\\u0000b\": 1}", 15);
   expect_message(sty_read_document(scratch->path, &document, &error), STY_ERROR_INPUT, &error, PARTS(scratch->path));
   unlink(scratch->path);

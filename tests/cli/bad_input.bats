@@ -635,6 +635,9 @@ refuse_common_values() {
     refuse 1 "'--junk=3'" "${command[@]}" --junk=3
     refuse 1 "'-X'" "${command[@]}" -X
     refuse 1 "'-qX'" "${command[@]}" -qX
+    refuse 1 "'-XYq'" "${command[@]}" -XYq
+    refuse 1 "'-qXY'" "${command[@]}" -v -qXY
+    refuse 1 "'--junk'" "${command[@]}" --junk -XY
     refuse 1 "'more'" "${command[@]}" more
     refuse 1 "'-'" "${command[@]}" -
     refuse 1 --quiet "${command[@]}" --quiet=1
