@@ -154,6 +154,8 @@ static void write_choices(const StyChoice *choice, const uint32_t *chosen) {
 
 StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOptions *options, const StyRun *run,
                           StyError *error) {
+  if (lut->depth)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT: found three dimensions, expected two for a choice within the slack");
   StyChoice choice;
   StyServe serve = {0};
   StyStatus status = open_choice(lut, sites, options->slack, &choice, error);
