@@ -131,7 +131,7 @@ typedef struct StyLut {
   size_t asked_count;              /* of them; texels beyond stand for the last */
 } StyLut;
 
-/* An empty table. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
+/* An empty table, all zero. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
  * equal-area with another sampling than centre, give STY_ERROR_USAGE. */
 StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error);
 

@@ -325,6 +325,8 @@ static void normalize_shares(const Case *c) {
 
 static StyStatus check_case(const StyLut *lut, const StyLut *exact, const StyImage *guide, StyError *error) {
   const StyLutSpec *a = &lut->spec, *b = &exact->spec;
+  if (lut->depth || exact->depth)
+    return sty_fail(error, STY_ERROR_INPUT, "found a LUT of three dimensions, expected one of two");
   if (a->width != b->width || a->height != b->height || a->sampling != b->sampling || a->map != b->map ||
       a->metric != b->metric || lut->source_width != exact->source_width || lut->source_height != exact->source_height)
     return sty_fail(error, STY_ERROR_INPUT,

@@ -70,7 +70,8 @@ StyStatus sty_build_lut(const StySites *sites, const StyEngine *engine, const St
                         const StyLutSpec *spec, const StyRun *run, StyLut **out, StyError *error) {
   StyLut *lut = NULL;
   if (sites->dims != 2) return fail_sites(sites, 2, error);
-  const StyStatus status = sty_create_lut(spec, sites->width, sites->height, &lut, error);
+  StyStatus status = sty_check_spec(spec, error);
+  if (!status) status = sty_allocate_lut(spec, sites->width, sites->height, &lut, error);
   return status ? status : fill_lut(sites, engine, options, lut, run, out, error);
 }
 

@@ -24,13 +24,17 @@ StyStatus sty_allocate_lut(const StyLutSpec *spec, int source_width, int source_
     sty_destroy_lut(&lut);
     return sty_fail_memory(error, "LUT", (double)texels * 8);
   }
-  memset(lut->pixels, 0, texels * sizeof *lut->pixels);
-  memset(lut->errors, 0, texels * sizeof *lut->errors);
   *out = lut;
   return STY_OK;
 }
 
-StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error) {
+static void clear_texels(StyLut *lut) {
+  const size_t texels = sty_count_texels(&lut->spec);
+  memset(lut->pixels, 0, texels * sizeof *lut->pixels);
+  memset(lut->errors, 0, texels * sizeof *lut->errors);
+}
+
+StyStatus sty_check_spec(const StyLutSpec *spec, StyError *error) {
   const int smallest = spec->sampling == STY_SAMPLE_UNORM8 ? 2 : 1;
   const int shorter = spec->width < spec->height ? spec->width : spec->height;
   const int longer = spec->width > spec->height ? spec->width : spec->height;
@@ -40,7 +44,14 @@ StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_he
   if (spec->sampling != STY_SAMPLE_CENTRE && spec->map != STY_MAP_XY)
     return sty_fail(error, STY_ERROR_USAGE, "LUT: found sampling %s with map %s, expected sampling centre",
                     sty_sampling_names[spec->sampling], sty_map_names[spec->map]);
-  return sty_allocate_lut(spec, source_width, source_height, out, error);
+  return STY_OK;
+}
+
+StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error) {
+  StyStatus status = sty_check_spec(spec, error);
+  if (!status) status = sty_allocate_lut(spec, source_width, source_height, out, error);
+  if (!status) clear_texels(*out);
+  return status;
 }
 
 StyStatus sty_create_cube(int size, const StyFeature axes[3], int source_width, int source_height, StyLut **out,
@@ -52,6 +63,7 @@ StyStatus sty_create_cube(int size, const StyFeature axes[3], int source_width, 
   StyLut *lut = NULL;
   const StyStatus status = sty_allocate_lut(&spec, source_width, source_height, &lut, error);
   if (status) return status;
+  clear_texels(lut);
   lut->depth = size;
   memcpy(lut->axes, axes, sizeof lut->axes);
   *out = lut;
