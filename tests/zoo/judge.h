@@ -15,12 +15,11 @@ typedef enum ZooOutcome {
   ZOO_NOT_BUILT,   /* the engine isn't in this build */
   ZOO_BROKEN,      /* a claim doesn't hold: see the note */
   /* Of raw libraries: */
-  ZOO_SAME,     /* the answers of brute force, ties too */
-  ZOO_TIES,     /* other pixels, as near up to rounding */
-  ZOO_WRONG,    /* farther pixels */
-  ZOO_NO_PIXEL, /* an answer that is no pixel at all, and no error */
-  ZOO_BLIND,    /* answers where there is none, and no error */
-  ZOO_ERROR,    /* said to have failed */
+  ZOO_SAME,  /* the answers of brute force, ties too */
+  ZOO_TIES,  /* other pixels, as near up to rounding */
+  ZOO_WRONG, /* farther pixels, or none */
+  ZOO_BLIND, /* no error where there is no answer */
+  ZOO_ERROR, /* said to have failed */
   /* Of the process: */
   ZOO_CRASHED,
   ZOO_HUNG
@@ -28,13 +27,13 @@ typedef enum ZooOutcome {
 
 typedef struct ZooVerdict {
   ZooOutcome outcome;
-  size_t texels;                  /* looked at */
-  size_t right;                   /* ZOO_APPROXIMATE: as near as any */
-  double worst;                   /* ZOO_APPROXIMATE: largest excess, guide units */
-  size_t pairs, before, after;    /* ZOO_CALM: feasible neighbours, jumps in the exact table and in the coherent one */
-  size_t ties, farther, no_pixel; /* ZOO_TIES, ZOO_WRONG, ZOO_NO_PIXEL */
-  int signal;                     /* ZOO_CRASHED; 0: it ended without a word */
-  char note[1200];                /* of what is broken, refused or unsuited: a line */
+  size_t texels;               /* looked at */
+  size_t right;                /* ZOO_APPROXIMATE: as near as any */
+  double worst;                /* ZOO_APPROXIMATE: largest excess, guide units */
+  size_t pairs, before, after; /* ZOO_CALM: feasible neighbours, jumps in the exact table and in the coherent one */
+  size_t ties, wrong;          /* of raw libraries' answers */
+  int signal;                  /* ZOO_CRASHED; 0: it ended without a word */
+  char note[1200];             /* of what is broken, refused or unsuited: a line */
 } ZooVerdict;
 
 /* Notes the first claim that doesn't hold. */

@@ -184,25 +184,20 @@ static void run_ours(Subject *subject, const Column *column, ZooVerdict *verdict
 /* More than rounding explains; squares of what is smaller than that vanish in float. */
 static bool is_farther(double distance, double least) { return !(distance <= least * (1 + 1e-6) + 1e-18); }
 
+/* Where there is no answer, which of the numbers that are none comes back, or whose, is the heap's chance. */
 static void judge_answers(const Subject *subject, const int *nearest, ZooVerdict *verdict) {
-  size_t blind = 0;
-  verdict->texels = subject->query_count;
+  size_t answerable = 0;
   for (size_t q = 0; q < subject->query_count; q++) {
-    const bool valid = nearest[q] >= 0 && (size_t)nearest[q] < subject->count;
-    if (!valid)
-      verdict->no_pixel++;
-    else if (subject->least[q] < 0)
-      blind++;
-    else if (is_farther(measure(subject->queries + 2 * q, subject->values + 2 * nearest[q]), subject->least[q]))
-      verdict->farther++;
+    if (subject->least[q] < 0) continue;
+    answerable++;
+    if (nearest[q] < 0 || (size_t)nearest[q] >= subject->count ||
+        is_farther(measure(subject->queries + 2 * q, subject->values + 2 * nearest[q]), subject->least[q]))
+      verdict->wrong++;
     else
       verdict->ties += (size_t)nearest[q] != subject->lowest[q];
   }
-  verdict->outcome = blind               ? ZOO_BLIND
-                     : verdict->farther  ? ZOO_WRONG
-                     : verdict->no_pixel ? ZOO_NO_PIXEL
-                     : verdict->ties     ? ZOO_TIES
-                                         : ZOO_SAME;
+  verdict->texels = answerable;
+  verdict->outcome = !answerable ? ZOO_BLIND : verdict->wrong ? ZOO_WRONG : verdict->ties ? ZOO_TIES : ZOO_SAME;
 }
 
 static void run_peer(const Subject *subject, Peer *peer, ZooVerdict *verdict) {
@@ -272,7 +267,7 @@ static void format_verdict(const ZooVerdict *v, char cell[CELL]) {
   static const char *const words[] = {
       [ZOO_NOTHING] = "**nothing**", [ZOO_EXACT] = "exact",         [ZOO_REFUSED] = "refused",
       [ZOO_UNSUITED] = "declined",   [ZOO_NOT_BUILT] = "not built", [ZOO_BROKEN] = "**BROKEN**",
-      [ZOO_SAME] = "fine",           [ZOO_BLIND] = "**an answer**", [ZOO_ERROR] = "an error",
+      [ZOO_SAME] = "fine",           [ZOO_BLIND] = "**no error**",  [ZOO_ERROR] = "an error",
       [ZOO_HUNG] = "**hangs**",
   };
   switch (v->outcome) {
@@ -288,8 +283,7 @@ static void format_verdict(const ZooVerdict *v, char cell[CELL]) {
                100 * (double)v->after / (double)v->pairs);
       break;
     case ZOO_TIES: format_share("", v->ties, v->texels, " other ties", cell); break;
-    case ZOO_WRONG: format_share("**", v->farther + v->no_pixel, v->texels, " wrong**", cell); break;
-    case ZOO_NO_PIXEL: format_share("**", v->no_pixel, v->texels, " no pixel**", cell); break;
+    case ZOO_WRONG: format_share("**", v->wrong, v->texels, " wrong**", cell); break;
     case ZOO_CRASHED:
       if (v->signal)
         snprintf(cell, CELL, "**SIG%s**", sigabbrev_np(v->signal));
@@ -317,8 +311,7 @@ static void format_cell(const ZooVerdict *plain, const ZooVerdict *noisy, char c
   both.before += noisy->before;
   both.after += noisy->after;
   both.ties += noisy->ties;
-  both.farther += noisy->farther;
-  both.no_pixel += noisy->no_pixel;
+  both.wrong += noisy->wrong;
   format_verdict(&both, cell);
 }
 
@@ -417,27 +410,23 @@ static void print_page(const Page *page) {
   printf(", %s, %s, nanoflann %s.\n\n", sty_get_search_library_version(), cgal ? cgal : "CGAL",
          get_nanoflann_version());
   printf(
-      "Each row stands for two guides: the one described below, and the same with one pixel of noise; where they "
-      "differ\n"
-      "in kind, both are named.\n\n"
+      "Each row stands for two guides: the one described below, and the same with one pixel of noise; where they\n"
+      "differ in kind, both are named.\n\n"
       "## stylut\n\n"
-      "Every engine builds eight tables of each guide: three samplings, two maps, two metrics (flann-auto, which "
-      "tunes\n"
-      "itself for half a second, two of them). `grid` does so once for each vector unit.\n\n");
+      "Every engine builds eight tables of each guide: three samplings, two maps, two metrics; of a million\n"
+      "pixels three of these, and so does flann-auto, which tunes itself first, of any. `grid` does it once for\n"
+      "each vector unit. `brute` is the reference.\n\n");
   print_table(page, 0, page->ours);
   printf(
       "- **exact**: the bytes of brute force, pixels and distances, ties included.\n"
       "- **recall, excess**: engines that don't claim exactness: the share of texels that hold a pixel as near as any\n"
       "  (rounded down), and the most that one is too far, in guide units. Every answer is a covered pixel.\n"
-      "- **declined**: the engine says that it isn't for such a guide: analytic is for spheres that fill the picture "
-      "(by\n"
-      "  xy), flann-auto for up to 1,000 distinct values.\n"
-      "- **refused**: one line that names the pixel, the same for every engine.\n"
-      "- **coherent**: `--resolve coherent` on the exact tables, with slacks of 2 levels and of 0: no texel beyond "
-      "the\n"
-      "  slack; jumps are neighbouring texels on source pixels far apart, before and after (2 levels), and never more. "
-      "It\n"
-      "  was run on the tables of approximate engines as well.\n"
+      "- **declined**: the engine says that it isn't for such a guide: analytic is for spheres that fill the\n"
+      "  picture (by xy), flann-auto for up to 1,000 distinct values.\n"
+      "- **refused**: one line that names the pixel or the value, the same from every engine.\n"
+      "- **coherent**: `--resolve coherent` on the exact tables, with slacks of 2 levels and of 0: no texel beyond\n"
+      "  the slack; jumps are neighbouring texels on source pixels far apart, before and after (2 levels), never more\n"
+      "  than before. It was run on the tables of approximate engines as well.\n"
       "- No table took %d s of the processor's time or more.\n\n"
       "## The libraries on their own\n\n"
       "One neighbour (xy) for every texel's centre, from all covered pixels as they are.\n\n",
@@ -445,10 +434,9 @@ static void print_page(const Page *page) {
   print_table(page, page->ours, page->count);
   printf(
       "- **fine**: the answers of brute force, ties to the lowest pixel included.\n"
-      "- **other ties**: pixels as near, but not the lowest: which one is the library's chance.\n"
-      "- **wrong**: farther pixels than need be, by more than rounding; or NaN, or none, where there is a neighbour.\n"
-      "- **no pixel**: success is returned, with an index that is none.\n"
-      "- **an answer**: success is returned, with a pixel, where there is no answer.\n"
+      "- **other ties**: pixels as near, up to rounding, but not the lowest: which one is the library's choice.\n"
+      "- **wrong**: farther pixels than need be, by more than rounding; or none, where there is one.\n"
+      "- **no error**: success is returned where there is no answer, with some pixel or with an index that is none.\n"
       "- **an error**: the library says that it failed.\n"
       "- **SIG...**: it took the process with it: SIGSEGV by memory that isn't there, SIGABRT by an assertion.\n"
       "- **hangs**: no answer after %d s of the processor's time.\n\n"
