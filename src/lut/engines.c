@@ -109,7 +109,7 @@ StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const S
                          StyError *error) {
   for (int k = 0; k < sites->dims; k++)
     if (!(fabsf(g[k]) <= STY_MAX_GUIDE_VALUE))
-      return sty_fail(error, STY_ERROR_INPUT, "guide value: found %g, expected finite values within %g", (double)g[k],
+      return sty_fail(error, STY_ERROR_INPUT, "guide value: found %g, expected a finite value within %g", (double)g[k],
                       (double)STY_MAX_GUIDE_VALUE);
   StyLut *lut = NULL;
   const StyStatus status = sty_answer_values(sites, engine, options, metric, g, 1, run, &lut, error);

@@ -167,7 +167,7 @@ static bool draw_all_huge(const ZooPixel *pixel, float g[2]) {
 
 static const float nan_asked[] = {NAN, 0}, infinity_asked[] = {0, INFINITY}, huge_asked[] = {-3e38f, 3e38f};
 
-#define SPOILT "expected finite values within 1000"
+#define SPOILT "expected a finite value within 1000"
 
 const ZooCase zoo_cases[] = {
     {"empty mask", "no pixel is covered", 64, 64, 64, 32, draw_nothing, "found no covered pixel", NULL},

@@ -116,8 +116,8 @@ static float measure_site(const StySites *sites, const StyLut *lut, size_t texel
   return (float)sqrt((double)sty_square_distance(measure.dims, query.at, at));
 }
 
-static void judge_approximate(const StySites *sites, const StyLut *lut, const StyLut *reference, const char *what,
-                              ZooVerdict *verdict) {
+static void judge_approximate(const StyImage *guide, const StySites *sites, const StyLut *lut, const StyLut *reference,
+                              const char *what, ZooVerdict *verdict) {
   const size_t texels = sty_count_texels(&lut->spec);
   for (size_t t = 0; t < texels; t++) {
     const long site = find_site(sites, lut->pixels[t]);
@@ -133,7 +133,7 @@ static void judge_approximate(const StySites *sites, const StyLut *lut, const St
   verdict->texels += texels;
   verdict->outcome = ZOO_APPROXIMATE;
   ZooVerdict resolved = {0};
-  judge_resolve(sites, lut, &resolved);
+  judge_resolve(guide, sites, lut, &resolved);
   if (resolved.outcome == ZOO_BROKEN) break_verdict(verdict, "%s", resolved.note);
 }
 
@@ -152,8 +152,8 @@ static void note_status(const StyEngine *engine, StyStatus status, const StyErro
   }
 }
 
-static void judge_build(const StySites *sites, const StyEngine *engine, const StyLut *reference, int threads,
-                        const char *what, ZooVerdict *verdict) {
+static void judge_build(const StyImage *guide, const StySites *sites, const StyEngine *engine, const StyLut *reference,
+                        int threads, const char *what, ZooVerdict *verdict) {
   const StyRun run = {.threads = threads};
   StyError error = {STY_OK, ""};
   StyLut *lut = NULL;
@@ -164,25 +164,26 @@ static void judge_build(const StySites *sites, const StyEngine *engine, const St
     if (verdict->outcome == ZOO_NOTHING) verdict->outcome = ZOO_EXACT;
     judge_exact(lut, reference, what, verdict);
   } else {
-    judge_approximate(sites, lut, reference, what, verdict);
+    judge_approximate(guide, sites, lut, reference, what, verdict);
   }
   sty_destroy_lut(&lut);
 }
 
-void judge_engine(const StySites *sites, const StyEngine *engine, const StyLut *reference, ZooVerdict *verdict) {
+void judge_engine(const StyImage *guide, const StySites *sites, const StyEngine *engine, const StyLut *reference,
+                  ZooVerdict *verdict) {
   /* What the processor lacks is its widest once more. */
   static const char *const units[] = {"plain", "avx2", "avx512"};
   char look[64], what[128];
   name_look(&reference->spec, look);
   if (strcmp(engine->name, "grid") != 0) {
     snprintf(what, sizeof what, "%s, %s", engine->name, look);
-    judge_build(sites, engine, reference, 1, what, verdict);
+    judge_build(guide, sites, engine, reference, 1, what, verdict);
     return;
   }
   for (int u = 0; u < 3; u++) {
     snprintf(what, sizeof what, "%s (%s), %s", engine->name, units[u], look);
     setenv("STYLUT_VECTOR", units[u], 1);
-    judge_build(sites, engine, reference, 1 + u % 2, what, verdict);
+    judge_build(guide, sites, engine, reference, 1 + u % 2, what, verdict);
   }
   unsetenv("STYLUT_VECTOR");
 }
@@ -234,27 +235,39 @@ static bool is_stated_right(const StySites *sites, const StyLut *base, const Sty
   return lut->errors[texel] == sqrtf(sty_square_distance(dims, at, place));
 }
 
-static void judge_slack(const StySites *sites, const StyLut *base, double slack, ZooVerdict *verdict) {
-  char look[64];
-  name_look(&base->spec, look);
+typedef enum Resolve { COHERENT, FRAMES, BOTH } Resolve;
+
+static const char *const resolve_names[] = {"coherent", "frames", "both"};
+
+/* The frame to be served is the guide itself. */
+static void judge_slack(const StyImage *guide, const StySites *sites, const StyLut *base, Resolve resolve, double slack,
+                        ZooVerdict *verdict) {
+  char look[96];
+  const size_t named = (size_t)snprintf(look, sizeof look, "%s, ", resolve_names[resolve]);
+  name_look(&base->spec, look + named);
   StyError error = {STY_OK, ""};
+  const StyResolveOptions options = {.slack = slack,
+                                     .coherent = resolve != FRAMES,
+                                     .guide = guide,
+                                     .frames = &guide,
+                                     .frame_count = resolve != COHERENT};
   StyLut *lut = copy_lut(base);
-  const StyStatus status = lut ? sty_resolve_coherent(lut, sites, slack, NULL, &error) : STY_ERROR_LIBRARY;
+  const StyStatus status = lut ? sty_resolve_lut(lut, sites, &options, NULL, &error) : STY_ERROR_LIBRARY;
   if (status) {
-    break_verdict(verdict, "coherent, %s: status %d, %s", look, status, error.text);
+    break_verdict(verdict, "%s: status %d, %s", look, status, error.text);
     sty_destroy_lut(&lut);
     return;
   }
   const size_t texels = sty_count_texels(&base->spec);
   for (size_t t = 0; t < texels; t++)
     if (!is_stated_right(sites, base, lut, t) || !((double)lut->errors[t] <= (double)base->errors[t] + slack))
-      break_verdict(verdict, "coherent, %s, slack %g: texel %zu holds pixel %u at %.9g instead of %u at %.9g", look,
-                    slack, t, lut->pixels[t], (double)lut->errors[t], base->pixels[t], (double)base->errors[t]);
+      break_verdict(verdict, "%s, slack %g: texel %zu holds pixel %u at %.9g instead of %u at %.9g", look, slack, t,
+                    lut->pixels[t], (double)lut->errors[t], base->pixels[t], (double)base->errors[t]);
   size_t pairs;
   const size_t before = count_jumps(base, &pairs), after = count_jumps(lut, &pairs);
-  if (after > before)
-    break_verdict(verdict, "coherent, %s, slack %g: %zu jumps instead of %zu", look, slack, after, before);
-  if (slack > 0) {
+  if (resolve == COHERENT && after > before)
+    break_verdict(verdict, "%s, slack %g: %zu jumps instead of %zu", look, slack, after, before);
+  if (resolve == COHERENT && slack > 0) {
     verdict->pairs += pairs;
     verdict->before += before;
     verdict->after += after;
@@ -262,9 +275,11 @@ static void judge_slack(const StySites *sites, const StyLut *base, double slack,
   sty_destroy_lut(&lut);
 }
 
-void judge_resolve(const StySites *sites, const StyLut *base, ZooVerdict *verdict) {
+void judge_resolve(const StyImage *guide, const StySites *sites, const StyLut *base, ZooVerdict *verdict) {
   if (verdict->outcome == ZOO_NOTHING) verdict->outcome = ZOO_CALM;
   verdict->texels += sty_count_texels(&base->spec);
-  judge_slack(sites, base, 2 * STY_LEVEL, verdict);
-  judge_slack(sites, base, 0, verdict);
+  for (Resolve resolve = COHERENT; resolve <= BOTH; resolve++) {
+    judge_slack(guide, sites, base, resolve, 2 * STY_LEVEL, verdict);
+    judge_slack(guide, sites, base, resolve, 0, verdict);
+  }
 }

@@ -49,11 +49,13 @@ StyLutSpec describe_zoo_look(int look, int size);
 /* `reference` is brute force's. Exact engines must equal it, the grid under each
  * vector unit that the processor has; others must answer with covered pixels at
  * the distance stated, and their tables are resolved as well. */
-void judge_engine(const StySites *sites, const StyEngine *engine, const StyLut *reference, ZooVerdict *verdict);
+void judge_engine(const StyImage *guide, const StySites *sites, const StyEngine *engine, const StyLut *reference,
+                  ZooVerdict *verdict);
 
-/* Coherent tables from `base`, for a slack of two levels and for none: no texel
- * beyond the slack, no more jumps than before. */
-void judge_resolve(const StySites *sites, const StyLut *base, ZooVerdict *verdict);
+/* Tables resolved from `base`, every way, for a slack of two levels and for none, the
+ * guide being the frame to serve: no texel beyond the slack, and with `coherent`
+ * alone no more jumps than before. */
+void judge_resolve(const StyImage *guide, const StySites *sites, const StyLut *base, ZooVerdict *verdict);
 
 /* A guide that is to be refused: by one line with `part` in it. */
 void judge_refusal(const StyImage *guide, const char *part, ZooVerdict *verdict);

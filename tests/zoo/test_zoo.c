@@ -18,18 +18,18 @@ static StyLut *build_reference(const StySites *sites, int look, int size) {
   return lut;
 }
 
-static void expect_claims(const ZooCase *zoo, bool noisy, const StySites *sites) {
+static void expect_claims(const ZooCase *zoo, bool noisy, const StyImage *guide, const StySites *sites) {
   enum { SIZE = 16 };
   for (int look = 0; look < ZOO_LOOKS; look += CASES(1, 3)) {
     StyLut *reference = build_reference(sites, look, SIZE);
     for (const StyEngine *engine = sty_engines; engine->name; engine++) {
       if (is_slow(engine)) continue;
       ZooVerdict verdict = {0};
-      judge_engine(sites, engine, reference, &verdict);
+      judge_engine(guide, sites, engine, reference, &verdict);
       expect_kept(zoo, noisy, &verdict);
     }
     ZooVerdict verdict = {0};
-    judge_resolve(sites, reference, &verdict);
+    judge_resolve(guide, sites, reference, &verdict);
     expect_kept(zoo, noisy, &verdict);
     sty_destroy_lut(&reference);
   }
@@ -56,7 +56,7 @@ static void expect_case(const ZooCase *zoo, bool noisy) {
     if (zoo->asked)
       expect_refused_questions(zoo, sites);
     else
-      expect_claims(zoo, noisy, sites);
+      expect_claims(zoo, noisy, guide, sites);
     sty_destroy_sites(&sites);
   }
   sty_destroy_image(&guide);

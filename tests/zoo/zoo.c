@@ -154,14 +154,14 @@ static void build_references(Subject *subject, ZooVerdict *verdict) {
 static void run_engine(Subject *subject, const StyEngine *engine, ZooVerdict *verdict) {
   for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo, engine)) {
     begin_table();
-    judge_engine(subject->sites, engine, subject->references[look], verdict);
+    judge_engine(subject->guide, subject->sites, engine, subject->references[look], verdict);
   }
 }
 
 static void run_resolve(Subject *subject, ZooVerdict *verdict) {
   for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo, NULL)) {
     begin_table();
-    judge_resolve(subject->sites, subject->references[look], verdict);
+    judge_resolve(subject->guide, subject->sites, subject->references[look], verdict);
   }
 }
 
