@@ -169,15 +169,13 @@ static const struct argp_option *find_option(const struct argp *argp, int key) {
 static void record(Options *options, const char *name, const char *value) {
   char *grown = NULL;
   const char *so_far = options->history ? options->history : "";
-  if (asprintf(&grown, "%s%s%s%s%s", so_far, *so_far ? " " : "", name ? "--" : "", name ? name : "",
-               value ? (name ? "=" : "") : "") < 0)
+  if (asprintf(&grown, "%s%s%s%s%s%s", so_far, *so_far ? " " : "", name ? "--" : "", name ? name : "",
+               name && value ? "=" : "", value ? value : "") < 0) {
+    sty_fail_memory(&options->error, "history", (double)strlen(so_far)); /* parse_arguments sees it */
     return;
-  char *whole = NULL;
-  if (asprintf(&whole, "%s%s", grown, value ? value : "") >= 0) {
-    free(options->history);
-    options->history = whole;
   }
-  free(grown);
+  free(options->history);
+  options->history = grown;
 }
 
 /* The word that getopt gave up at: the one before the next, unless that was done
@@ -264,8 +262,8 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
     options->helped = true;
     return STY_OK;
   }
-  if (argp_parse(argp, argc, argv, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, arguments) == 0) return STY_OK;
-  if (options->error.status) return options->error.status;
+  const error_t failed = argp_parse(argp, argc, argv, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, arguments);
+  if (!failed || options->error.status) return options->error.status;
   const int stop = options->stopped_at;
   return explain_option(argp, argv[0], stop > 0 && stop < argc ? argv[stop] : "", &options->error);
 }

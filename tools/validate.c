@@ -49,6 +49,13 @@ static void take_finding(void *context, const StyFinding *finding) {
   }
 }
 
+/* The bundle's status, or that of printing where the bundle is good. */
+static StyStatus print_findings(json_t *findings, StyStatus status, StyError *error) {
+  json_t *report = json_pack("{s:s, s:b, s:o}", "schema", "stylut-validate/1", "valid", !status, "findings", findings);
+  const StyStatus printed = print_json(report, status ? NULL : error);
+  return status ? status : printed;
+}
+
 StyStatus run_validate(int argc, char **argv) {
   Arguments arguments = {.bundle = NULL};
   StyError *error = &arguments.options.error;
@@ -57,14 +64,11 @@ StyStatus run_validate(int argc, char **argv) {
     StyLoadedBundle bundle;
     if (arguments.options.json) arguments.findings = json_array();
     status = sty_load_bundle(arguments.bundle, take_finding, &arguments, &bundle, error);
-    if (arguments.options.json)
-      print_json(
-          json_pack("{s:s, s:b, s:o}", "schema", "stylut-validate/1", "valid", !status, "findings", arguments.findings),
-          NULL);
-    else if (!status && !arguments.options.quiet)
+    if (!status && !arguments.options.json && !arguments.options.quiet)
       printf("%s: valid, %zu style(s)\n", clean_text(arguments.bundle),
              json_array_size(json_object_get(bundle.index.root, "styles")));
     if (!status) sty_unload_bundle(&bundle);
+    if (arguments.options.json) status = print_findings(arguments.findings, status, error);
   }
   return finish_command(&arguments.options, status);
 }

@@ -121,9 +121,9 @@ static void advise_on_errors(const StyReport *report, const StyFacts *facts, Sty
   const StyAudit *audit = report->audit;
   if (audit->background)
     advise(out,
-           "%zu texels point at the background of the guide, where nothing is painted: what asks for them comes out "
-           "empty. Build the table anew with stylut lut.",
-           audit->background);
+           "%zu texel%s at the background of the guide, where nothing is painted: what asks for it comes out empty. "
+           "Build the table anew with stylut lut.",
+           audit->background, audit->background == 1 ? " points" : "s point");
   if (is_exact(audit)) return;
   if (facts->lost_to_bytes)
     advise(out,
@@ -214,7 +214,9 @@ static void advise_on_size(const StyReport *report, const StyFacts *facts, StyOp
         "the outer twentieth of the disc. For float guides --map equal-area spends texels evenly over directions.",
         say_share(facts->rim).text);
   const size_t covered = audit->usage[0] + audit->usage[1] + audit->usage[2] + audit->usage[3] + audit->usage[4];
-  if (is_exact(audit) && audit->feasible > covered && audit->unused > 0.3 && !weighs_frames(report))
+  /* Where directions are lacking, texels crowd on the pixels that come nearest to them. */
+  if (is_exact(audit) && audit->coverage >= bare && audit->feasible > covered && audit->unused > 0.3 &&
+      !weighs_frames(report))
     advise(out,
            "Though the table has more texels than the guide has pixels, %s of the pixels are never the answer: they "
            "show directions that others show, too.",
