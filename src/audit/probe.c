@@ -59,12 +59,11 @@ static StyNeighbour describe_point(const StySites *sites, const Question *questi
 /* The squared distance of one site by the question's own measure. */
 static StyStatus measure_site(const StySites *sites, size_t site, const StyLutSpec *spec, const Question *question,
                               double *squared, StyError *error) {
-  StySites one = {.width = sites->width,
-                  .height = sites->height,
-                  .count = 1,
-                  .values = sites->values + 2 * site,
-                  .pixels = sites->pixels + site,
-                  .levels = sites->levels ? sites->levels + 2 * site : NULL};
+  StySites one = *sites;
+  one.count = 1;
+  one.values += 2 * site;
+  one.pixels += site;
+  if (one.levels) one.levels += 2 * site;
   StyPoints point;
   const StyStatus status = sty_collapse_sites(&one, spec, &point, error);
   if (status) return status;
