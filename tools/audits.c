@@ -54,9 +54,7 @@ const struct argp audit_argp = {.options = options_table, .parser = parse_audit}
 const struct argp table_argp = {.options = options_table + AUDITS_ONLY, .parser = parse_audit};
 
 StyStatus take_audit_argument(AuditCommand *command, const char *text) {
-  if (command->audit.lut && command->audit.frames.count)
-    return add_frame(&command->audit.frames, text, &command->options.error);
-  return take_argument(&command->options, &command->audit.lut, text);
+  return take_argument_or_frame(&command->options, &command->audit.lut, &command->audit.frames, text);
 }
 
 StyStatus check_audit_arguments(AuditCommand *command) {

@@ -133,13 +133,6 @@ static StyStatus check_arguments(Arguments *arguments) {
   return status ? status : check_outputs(arguments);
 }
 
-/* The guide, then more frames once --frames was given. */
-static StyStatus take_file(Arguments *arguments, const char *text) {
-  if (arguments->guide && arguments->frames.count)
-    return add_frame(&arguments->frames, text, &arguments->options.error);
-  return take_argument(&arguments->options, &arguments->guide, text);
-}
-
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
   StyError *error = &arguments->options.error;
@@ -148,7 +141,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: status = take_file(arguments, text); break;
+    case ARGP_KEY_ARG:
+      status = take_argument_or_frame(&arguments->options, &arguments->guide, &arguments->frames, text);
+      break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case KEY_CSV: arguments->csv = text; break;
     case 's':

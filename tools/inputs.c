@@ -44,6 +44,10 @@ StyStatus add_frame(Frames *frames, const char *file, StyError *error) {
   return STY_OK;
 }
 
+StyStatus take_argument_or_frame(Options *options, const char **slot, Frames *frames, const char *text) {
+  return *slot && frames->count ? add_frame(frames, text, &options->error) : take_argument(options, slot, text);
+}
+
 StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error) {
   StyStatus status = STY_OK;
   for (int f = 0; !status && f < frames->count; f++) status = read_guide(frames->files[f], &out[f], error);

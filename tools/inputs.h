@@ -2,6 +2,7 @@
 #ifndef STYLUT_TOOLS_INPUTS_H
 #define STYLUT_TOOLS_INPUTS_H
 
+#include "options.h"
 #include "stylut/guide.h"
 #include "stylut/lut.h"
 
@@ -22,6 +23,9 @@ typedef struct Frames {
 
 /* One more file; too many are an error. */
 StyStatus add_frame(Frames *frames, const char *file, StyError *error);
+
+/* A command's own argument into *slot, then more frames once --frames was given. */
+StyStatus take_argument_or_frame(Options *options, const char **slot, Frames *frames, const char *text);
 
 /* Reads them all into `out`, which is zero and has room for MOST_FRAMES; the
  * caller destroys what it holds, after a failure too. */

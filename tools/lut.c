@@ -187,13 +187,6 @@ static StyStatus set_map(Arguments *arguments, const char *text) {
   return STY_OK;
 }
 
-/* The guide, then more frames once --frames was given. */
-static StyStatus take_file(Arguments *arguments, const char *text) {
-  if (arguments->guide && arguments->frames.count)
-    return add_frame(&arguments->frames, text, &arguments->options.error);
-  return take_argument(&arguments->options, &arguments->guide, text);
-}
-
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
   StyError *error = &arguments->options.error;
@@ -201,7 +194,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: status = take_file(arguments, text); break;
+    case ARGP_KEY_ARG:
+      status = take_argument_or_frame(&arguments->options, &arguments->guide, &arguments->frames, text);
+      break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case 's': status = set_size(arguments, text); break;
     case KEY_MAX_P99: status = sty_parse_number("--max-p99", text, 1e-6, 180, &arguments->max_p99, error); break;

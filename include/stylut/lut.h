@@ -29,9 +29,10 @@
  * over all source pixels, and that of several pixels at the minimum the lowest
  * in row-major order is taken.
  * Where every value of the guide is an 8-bit level, 2*b/255-1, the table is
- * square, and map and metric are xy, the same is computed in integers, since rounding would otherwise decide
- * between pixels that are equally near. All exact engines therefore give the
- * same bytes, on any number of threads and any processor.
+ * square, and map and metric are xy, the same is computed in integers, since
+ * rounding would otherwise decide between pixels that are equally near. All exact
+ * engines therefore give the same bytes, on any number of threads and any
+ * processor.
  *
  * More dimensions: what is compared may be any 1 to STY_MOST_DIMS channels of a
  * guide, each times a weight (features), by Euclid on the weighted values, summed

@@ -5,10 +5,9 @@
 
 #include "lut/engine.h"
 #include "lut/serve.h"
+#include "stylut/match.h"
 
-/* Source pixels are packed: y above, x below, 16 bits each. */
-static const uint32_t sty_no_pixel = UINT32_MAX; /* no picture has that many pixels */
-
+/* Source pixels are packed: y above, x below, 16 bits each; STY_NO_PIXEL is none. */
 static inline uint32_t sty_pack_pixel(int x, int y) { return (uint32_t)y << 16 | (uint32_t)x; }
 static inline int sty_get_x(uint32_t packed) { return (int)(packed & 0xffff); }
 static inline int sty_get_y(uint32_t packed) { return (int)(packed >> 16); }

@@ -110,7 +110,7 @@ static Around look_around(const Fusion *f, int texel) {
   Around around = {.count = 0};
   for (int s = 0; s < 4; s++) {
     const int other = get_neighbour(f, texel, s);
-    if (other >= 0 && f->proposal[other] != sty_no_pixel) around.pixels[around.count++] = f->proposal[other];
+    if (other >= 0 && f->proposal[other] != STY_NO_PIXEL) around.pixels[around.count++] = f->proposal[other];
   }
   return around;
 }
@@ -171,7 +171,7 @@ static uint32_t continue_patch(const Fusion *f, int texel, uint32_t from) {
   const int right = sty_get_x(from) + f->reach < width ? sty_get_x(from) + f->reach + 1 : width;
   const int bottom = sty_get_y(from) + f->reach < height ? sty_get_y(from) + f->reach + 1 : height;
   const Around around = look_around(f, texel);
-  Best best = {sty_no_pixel, INT32_MAX};
+  Best best = {STY_NO_PIXEL, INT32_MAX};
   for (int y = top; y < bottom; y++) try_row(f, texel, &around, left, right, y, &best);
   return best.pixel;
 }
@@ -185,9 +185,9 @@ static int grow_patch(Fusion *f, int texel) {
   for (int q = 0; q < count; q++)
     for (int s = 0; s < 4; s++) {
       const int other = get_neighbour(f, f->queue[q], s);
-      if (other < 0 || f->proposal[other] != sty_no_pixel) continue;
+      if (other < 0 || f->proposal[other] != STY_NO_PIXEL) continue;
       f->proposal[other] = continue_patch(f, other, f->proposal[f->queue[q]]);
-      if (f->proposal[other] != sty_no_pixel) f->queue[count++] = other;
+      if (f->proposal[other] != STY_NO_PIXEL) f->queue[count++] = other;
     }
   return count;
 }

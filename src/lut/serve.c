@@ -4,12 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pieces are measured along four rays, at these distances: the runtime's largest
- * cells reach about as far. Each asker turns the rays by one of so many angles.
- * Twelve steps along sixteen rays cost eleven times the comparisons and made the
- * pieces no larger. */
-enum { RAYS = 4, STEPS = 4, FARTHEST = 40, TURNS = 4, MARGIN = FARTHEST + 1 };
-static const int distances[STEPS] = {4, 10, 20, FARTHEST};
+/* The steps' distances: the runtime's largest cells reach about as far. Twelve steps
+ * along sixteen rays cost eleven times the comparisons and made the pieces no
+ * larger. */
+enum { FARTHEST = 40, MARGIN = FARTHEST + 1 };
+static const int distances[STY_STEPS] = {4, 10, 20, FARTHEST};
 
 /* A piece ends where guides differ by this much: the runtime's own default. */
 enum { THRESHOLD = 24 };
@@ -25,10 +24,10 @@ static uint8_t get_byte(float n) {
 }
 
 static void set_offsets(StyPatch *patch) {
-  for (int turn = 0; turn < TURNS; turn++)
-    for (int ray = 0; ray < RAYS; ray++)
-      for (int step = 0; step < STEPS; step++) {
-        const double angle = 2 * M_PI * (ray * TURNS + turn) / (RAYS * TURNS);
+  for (int turn = 0; turn < STY_TURNS; turn++)
+    for (int ray = 0; ray < STY_RAYS; ray++)
+      for (int step = 0; step < STY_STEPS; step++) {
+        const double angle = 2 * M_PI * (ray * STY_TURNS + turn) / (STY_RAYS * STY_TURNS);
         /* No product lies near a half, so this is the same everywhere. */
         const int dx = (int)lround(distances[step] * cos(angle)), dy = (int)lround(distances[step] * sin(angle));
         patch->offsets[turn][ray][step] = dy * patch->pitch + dx;
@@ -45,7 +44,7 @@ static StyStatus open_patch(const StyImage *guide, int nothing, StyPatch *out, S
                             sty_find_channel(guide, "normal.Z")};
   if (!covered || !normal[0] || !normal[1] || !normal[2])
     return sty_fail(error, STY_ERROR_INPUT, "frames: found a guide without normals, expected channels A, normal.*");
-  StyPatch patch = {.width = guide->width, .height = guide->height, .pitch = guide->width + 2 * MARGIN};
+  StyPatch patch = {.pitch = guide->width + 2 * MARGIN};
   const size_t pitch = (size_t)patch.pitch, size = pitch * (size_t)(guide->height + 2 * MARGIN);
   patch.block = malloc(size * sizeof *patch.block);
   if (!patch.block) return sty_fail_memory(error, "frames", (double)size * 4);
@@ -64,57 +63,59 @@ static StyStatus open_patch(const StyImage *guide, int nothing, StyPatch *out, S
 
 /* ---- who asks ----------------------------------------------------------------- */
 
-/* Counts, then takes evenly spaced ones of them. */
+/* The texel that a frame's pixel asks for; `texels`, one more than there are, for none. */
+static size_t find_asked_texel(const StyLut *lut, const float *const planes[3], size_t pixel, size_t texels) {
+  int t[2];
+  if (!(planes[0][pixel] > 0)) return texels;
+  sty_find_texel(&lut->spec, (const float[2]){planes[1][pixel], planes[2][pixel]}, t);
+  return (size_t)t[1] * (size_t)lut->spec.width + (size_t)t[0];
+}
+
+/* Who asks for texels: of all that there are, evenly spaced ones. */
 static StyStatus find_askers(const StyLut *lut, const StyImage *const *frames, StyServe *serve, StyError *error) {
   const size_t texels = sty_count_texels(&lut->spec);
-  uint32_t *count = calloc(2 * texels, sizeof *count), *seen = count + texels;
+  uint32_t *count = calloc(2 * (texels + 1), sizeof *count), *seen = count + texels + 1;
   if (!count) return sty_fail_memory(error, "frames", (double)texels * 8);
   for (int pass = 0; pass < 2; pass++)
     for (int f = 0; f < serve->frame_count; f++) {
-      const StyImage *frame = frames[f];
-      const float *covered = sty_find_channel(frame, "A");
-      const float *gx = sty_find_channel(frame, "normal.X"), *gy = sty_find_channel(frame, "normal.Y");
-      for (int y = 0; y < frame->height; y++)
-        for (int x = 0; x < frame->width; x++) {
-          const size_t p = (size_t)y * (size_t)frame->width + (size_t)x;
-          if (!(covered[p] > 0)) continue;
-          int t[2];
-          sty_find_texel(&lut->spec, (const float[2]){gx[p], gy[p]}, t);
-          const size_t texel = (size_t)t[1] * (size_t)lut->spec.width + (size_t)t[0];
-          if (pass == 0) {
-            count[texel]++;
-            continue;
-          }
-          const uint64_t most = count[texel] < STY_MOST_ASKERS ? count[texel] : STY_MOST_ASKERS;
-          const uint64_t slot = seen[texel]++ * most / count[texel];
-          if (serve->askers[texel][slot].frame < 0) serve->askers[texel][slot] = (StyAsker){f, x, y};
-        }
+      const size_t width = (size_t)frames[f]->width, pixels = sty_count_pixels(frames[f]);
+      const float *const planes[3] = {sty_find_channel(frames[f], "A"), sty_find_channel(frames[f], "normal.X"),
+                                      sty_find_channel(frames[f], "normal.Y")};
+      for (size_t p = 0; p < pixels; p++) {
+        const size_t texel = find_asked_texel(lut, planes, p, texels);
+        if (pass == 0) count[texel]++;
+        if (pass == 0 || texel == texels) continue;
+        const uint64_t most = count[texel] < STY_MOST_ASKERS ? count[texel] : STY_MOST_ASKERS;
+        StyAsker *slot = &serve->askers[texel][seen[texel]++ * most / count[texel]];
+        if (slot->frame < 0) *slot = (StyAsker){f, (int32_t)(p % width), (int32_t)(p / width)};
+      }
     }
   free(count);
   return STY_OK;
 }
 
+/* Gives texel (i, j) the askers of a neighbour that had some before round r. */
+static void borrow_askers(const StyLut *lut, StyServe *serve, uint8_t *round, int r, int i, int j) {
+  const int width = lut->spec.width, height = lut->spec.height;
+  const size_t texel = (size_t)j * (size_t)width + (size_t)i;
+  for (int s = 0; s < 4 && !sty_has_askers(serve, texel); s++) {
+    const int x = i + sty_steps[s][0], y = j + sty_steps[s][1];
+    if (x < 0 || y < 0 || x >= width || y >= height) continue;
+    const size_t other = (size_t)y * (size_t)width + (size_t)x;
+    if (!sty_has_askers(serve, other) || round[other] >= r) continue;
+    memcpy(serve->askers[texel], serve->askers[other], sizeof *serve->askers);
+    round[texel] = (uint8_t)r;
+  }
+}
+
 /* One texel's width outward at a time. */
 static StyStatus lend_askers(const StyLut *lut, StyServe *serve, StyError *error) {
-  const int width = lut->spec.width, height = lut->spec.height;
   const size_t texels = sty_count_texels(&lut->spec);
   uint8_t *round = calloc(texels, 1); /* in which one a texel got its askers */
   if (!round) return sty_fail_memory(error, "frames", (double)texels);
   for (int r = 1; r <= MOST_BORROWED; r++)
-    for (int j = 0; j < height; j++)
-      for (int i = 0; i < width; i++) {
-        const size_t texel = (size_t)j * (size_t)width + (size_t)i;
-        if (sty_has_askers(serve, texel)) continue;
-        for (int s = 0; s < 4; s++) {
-          const int x = i + sty_steps[s][0], y = j + sty_steps[s][1];
-          if (x < 0 || y < 0 || x >= width || y >= height) continue;
-          const size_t other = (size_t)y * (size_t)width + (size_t)x;
-          if (!sty_has_askers(serve, other) || round[other] >= r) continue;
-          memcpy(serve->askers[texel], serve->askers[other], sizeof *serve->askers);
-          round[texel] = (uint8_t)r;
-          break;
-        }
-      }
+    for (int j = 0; j < lut->spec.height; j++)
+      for (int i = 0; i < lut->spec.width; i++) borrow_askers(lut, serve, round, r, i, j);
   free(round);
   return STY_OK;
 }
@@ -167,13 +168,13 @@ float sty_measure_service(const StyServe *serve, size_t texel, int x, int y) {
     const StyAsker *asker = &serve->askers[texel][count];
     const StyPatch *patch = &serve->frames[asker->frame];
     const uint8_t(*const frame)[4] = get_place(patch, asker->x, asker->y);
-    const int turn = count % TURNS;
-    for (int ray = 0; ray < RAYS; ray++) {
+    const int turn = count % STY_TURNS;
+    for (int ray = 0; ray < STY_RAYS; ray++) {
       const int32_t *from = serve->source.offsets[turn][ray], *to = patch->offsets[turn][ray];
       int step = 0;
-      while (step < STEPS && agree(source[from[step]], frame[to[step]])) step++;
+      while (step < STY_STEPS && agree(source[from[step]], frame[to[step]])) step++;
       if (step) squares += distances[step - 1] * distances[step - 1];
     }
   }
-  return count ? (float)squares * (float)(M_PI / RAYS) / (float)count : 0;
+  return count ? (float)squares * (float)(M_PI / STY_RAYS) / (float)count : 0;
 }

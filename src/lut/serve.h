@@ -8,12 +8,16 @@
 
 #include "stylut/lut.h"
 
+/* Pieces are measured along rays, step by step, which each asker turns by one of so
+ * many angles. */
+enum { STY_TURNS = 4, STY_RAYS = 4, STY_STEPS = 4 };
+
 /* A guide as the runtime compares it: bytes in a margin of uncovered ones. */
 typedef struct StyPatch {
-  int width, height, pitch;
+  int pitch;
   uint8_t (*bytes)[4]; /* x, y, z, 0; of the pixel (0, 0) */
   uint8_t (*block)[4];
-  int32_t offsets[4][4][4]; /* by turn, ray and step: see serve.c */
+  int32_t offsets[STY_TURNS][STY_RAYS][STY_STEPS];
 } StyPatch;
 
 /* A frame's pixel that asks for a texel. */

@@ -514,7 +514,6 @@ static void test_dense_guides(void **state) {
   }
 }
 
-/* A small table asks far between, a large one many times of each pixel. */
 /* Enough points for several threads to sort them together. */
 static void test_threads_sort_alike(void **state) {
   (void)state;
@@ -541,6 +540,7 @@ static void test_threads_sort_alike(void **state) {
   }
 }
 
+/* A small table asks far between, a large one many times of each pixel. */
 static void test_dense_guide_at_many_sizes(void **state) {
   (void)state;
   static const int sizes[] = {1, 2, 3, 4, 5, 7, 8, 9, 90};
