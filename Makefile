@@ -27,7 +27,7 @@ BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev 
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
 TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils
-BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev
+BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
@@ -186,7 +186,7 @@ run-demo: $(TOOL) $(MODULE)
 .PHONY: test run-tests
 test: ensure-test-packages ## run every test (under 15 minutes on two cores)
 	@$(MAKE) --no-print-directory run-tests
-run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2
+run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/bench/pieces
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
 
 .PHONY: fuzz run-fuzz
@@ -234,6 +234,15 @@ charts: ensure-test-packages ## measure and draw exemplars/charts anew, but for 
 	@$(MAKE) --no-print-directory run-charts
 run-charts: $(TOOL) $(MODULE)
 	@exemplars/charts.sh $(TOOL) exemplars/charts $(wildcard $(or $(STYLUT_DATA),../shared/data))
+
+# What lut --resolve gives on turning figures; times want an idle machine here, too.
+.PHONY: coherence run-coherence
+coherence: ensure-bench-packages ## study of --resolve: exemplars/charts/coherence.csv and its pictures
+	@$(MAKE) --no-print-directory run-coherence
+run-coherence: $(TOOL) $(MODULE) $(BUILD)/tests/bench/pieces
+	@exemplars/coherence.sh $(TOOL) build/coherence
+	@exemplars/coherence_pictures.sh $(TOOL) build/coherence exemplars/pictures
+	@cp build/coherence/coherence.csv exemplars/charts/coherence.csv
 
 .PHONY: style
 style: ## formatting, includes, shell scripts

@@ -28,8 +28,10 @@
 enum { JUMP_COST = 1000, STEP_COST = 400, SLACK_COST = 60, SERVICE_COST = 1000 };
 
 /* Proposals: so many at most; and no more once a round of them took off less than
- * the 1/LEAST_GAIN-th part of the sum. */
-enum { MOST_PROPOSALS = 96, ROUND = 6, LEAST_GAIN = 20 };
+ * the 1/LEAST_GAIN-th part of the sum. A round is over once its patches together
+ * would cover the table ROUND times: many a seed's patch is a few texels, and a
+ * handful of such says nothing about what there is to gain. */
+enum { MOST_PROPOSALS = 96, ROUND = 2, LEAST_GAIN = 20 };
 
 enum { MOST_REACH = 16 };
 
@@ -301,6 +303,12 @@ static int64_t count_cost(const Fusion *f) {
   return total;
 }
 
+static int count_live(const Fusion *f) {
+  int count = 0;
+  for (size_t t = 0; t < sty_count_texels(&f->choice->lut->spec); t++) count += f->choice->live[t] != STY_DEAD;
+  return count;
+}
+
 /* ---- proposals ---------------------------------------------------------------- */
 
 /* Some texel next to a jump, or -1: there is none. */
@@ -376,13 +384,17 @@ StyStatus sty_make_coherent(StyChoice *choice, const StyRun *run, StyError *erro
   if (status) return status;
   if (choice->serve) fuse_proposal(&f, propose_favourites(&f));
   uint64_t state = 1;
-  int64_t cost = count_cost(&f);
+  int64_t cost = count_cost(&f), grown = 0;
+  const int64_t round = ROUND * (int64_t)count_live(&f);
   for (int proposal = 0; proposal < MOST_PROPOSALS; proposal++) {
     const int seed = choose_seed(&f, &state);
     if (seed < 0) break;
-    fuse_proposal(&f, grow_patch(&f, seed));
+    const int count = grow_patch(&f, seed);
+    fuse_proposal(&f, count);
     if (run && run->progress) run->progress(run->context, (proposal + 1.0) / MOST_PROPOSALS);
-    if ((proposal + 1) % ROUND) continue;
+    grown += count;
+    if (grown < round) continue;
+    grown = 0;
     const int64_t before = cost;
     cost = count_cost(&f);
     if ((before - cost) * LEAST_GAIN < cost) break;

@@ -102,26 +102,6 @@ same_by_angle() {
   expect_less 'misses with more checks' "$(json - '1 - r.optimal' <<<"$output")" 0.05
 }
 
-@test "a coherent table is calmer and pays no more than its slack" {
-  accept guide scene "$exemplars/creature.ply" -s 256 -o large.exr
-  accept lut large.exr -s 128 -o nearest.exr
-  accept lut large.exr -s 128 --resolve coherent --slack 2 --no-history -o coherent.exr
-  accept lut large.exr -s 128 --resolve coherent --slack 2 --no-history -j 1 -o again.exr
-  expect_same coherent.exr again.exr
-  accept check nearest.exr --guide large.exr --format json
-  local jumps
-  jumps=$(json - r.jumps <<<"$output")
-  accept check coherent.exr --guide large.exr --format json --max-jumps 0.3
-  expect_less 'jumps of the coherent table' "$(json - r.jumps <<<"$output")" "$(awk -v j="$jumps" 'BEGIN { print j / 2 }')"
-  expect 'largest distance paid' "$(paste -d' ' <(dump nearest.exr error) <(dump coherent.exr error) |
-    awk '$6 - $3 > 2 * 2 / 255 + 1e-6 { print }' | wc -l)" 0
-  # A sphere is left alone.
-  bring sphere.exr
-  accept lut sphere.exr -s 48 --no-history -o a.exr
-  accept lut sphere.exr -s 48 --resolve coherent --no-history -o b.exr
-  expect_same a.exr b.exr
-}
-
 @test "--size auto takes the smallest table that meets the budget" {
   accept guide sphere -s 200 -o large.exr
   local size
