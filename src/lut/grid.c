@@ -25,6 +25,9 @@
 #include "base/memory.h"
 #include "lut/deal.h"
 
+/* Values that aren't worth sorting. */
+enum { FEW = STY_FAN };
+
 enum { REGION = 3, STEPS = 2, MOST_IN_REGION = 16 * REGION * REGION };
 
 /* ---- laying out cells --------------------------------------------------------- */
@@ -112,14 +115,14 @@ static void free_cells(StyCells *cells) {
   *cells = (StyCells){0};
 }
 
-/* Drops points at the place of an earlier one of their cell; returns how many remain. */
-static size_t drop_duplicates(StyCells *cells) {
-  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
-  size_t kept = 0, begin = 0;
-  for (size_t c = 0; c < count; c++) {
-    const size_t end = cells->first[c + 1], base = kept;
-    cells->first[c] = (uint32_t)kept;
-    for (size_t p = begin; p < end; p++) {
+/* Drops points at the place of an earlier one of their cell, in cells begin to
+ * end - 1, whose points move together; returns how many remain. */
+static size_t drop_cell_duplicates(StyCells *cells, size_t begin, size_t end) {
+  size_t kept = cells->first[begin], from = kept;
+  for (size_t c = begin; c < end; c++) {
+    const size_t to = cells->first[c + 1], base = kept;
+    if (c > begin) cells->first[c] = (uint32_t)kept; /* the first one's place is read by who has the cells before */
+    for (size_t p = from; p < to; p++) {
       bool known = false;
       for (size_t k = base; k < kept && !known; k++) known = cells->x[k] == cells->x[p] && cells->y[k] == cells->y[p];
       if (known) continue;
@@ -127,7 +130,40 @@ static size_t drop_duplicates(StyCells *cells) {
       cells->y[kept] = cells->y[p];
       cells->pixels[kept++] = cells->pixels[p];
     }
-    begin = end;
+    from = to;
+  }
+  return kept - cells->first[begin];
+}
+
+typedef struct Dropping {
+  StyCells *cells;
+  size_t begin[STY_MOST_PARTS], end[STY_MOST_PARTS]; /* cells */
+  size_t kept[STY_MOST_PARTS];                       /* points */
+} Dropping;
+
+static void drop_part(void *context, int part, size_t begin, size_t end) {
+  Dropping *d = context;
+  d->begin[part] = begin;
+  d->end[part] = end;
+  d->kept[part] = drop_cell_duplicates(d->cells, begin, end);
+}
+
+/* In all cells; returns how many points remain. */
+static size_t drop_duplicates(StyCells *cells, const StyRun *run) {
+  const size_t count = (size_t)cells->columns * (size_t)cells->rows;
+  const int parts = sty_count_parts(run, count);
+  Dropping d = {.cells = cells};
+  sty_split_items(run, count, parts, drop_part, &d);
+  size_t kept = 0;
+  for (int part = 0; part < parts; part++) {
+    const size_t from = cells->first[d.begin[part]], gap = from - kept;
+    if (gap) {
+      memmove(cells->x + kept, cells->x + from, d.kept[part] * sizeof *cells->x);
+      memmove(cells->y + kept, cells->y + from, d.kept[part] * sizeof *cells->y);
+      memmove(cells->pixels + kept, cells->pixels + from, d.kept[part] * sizeof *cells->pixels);
+      for (size_t c = d.begin[part]; c < d.end[part]; c++) cells->first[c] -= (uint32_t)gap;
+    }
+    kept += d.kept[part];
   }
   cells->first[count] = (uint32_t)kept;
   return kept;
@@ -241,15 +277,49 @@ static StyStatus sort_sites(const StySites *sites, StyCells *cells, StySpot **sp
   return status;
 }
 
-/* All sites, lifted, for a tree without cells. */
-static bool copy_sites(const StySites *sites, int dims, StySpot **spots) {
-  *spots = sty_allocate_large(sites->count * sizeof **spots);
-  for (size_t s = 0; *spots && s < sites->count; s++) {
-    float at[3];
-    sty_lift(dims, sites->values + 2 * s, at);
-    (*spots)[s] = (StySpot){at[0], at[1], sites->pixels[s]};
+static StySpot get_spot(const StySites *sites, int dims, size_t s) {
+  float at[3];
+  sty_lift(dims, sites->values + 2 * s, at);
+  return (StySpot){at[0], at[1], sites->pixels[s]};
+}
+
+/* `count` sites, those that `which` lists or else all, for a tree without cells; NULL: no memory. */
+static StySpot *copy_sites(const StySites *sites, int dims, const size_t *which, size_t count) {
+  StySpot *spots = sty_allocate_large(count * sizeof *spots);
+  for (size_t i = 0; spots && i < count; i++) spots[i] = get_spot(sites, dims, which ? which[i] : i);
+  return spots;
+}
+
+/* The first sites of each value where there are at most FEW values, such as those
+ * of a cube's faces: sorting all of their sites would take far longer than to
+ * answer. Returns how many; 0: there are more. */
+static size_t find_few(const StySites *sites, size_t few[FEW]) {
+  size_t count = 0;
+  for (size_t s = 0; s < sites->count; s++) {
+    const float *value = sites->values + 2 * s;
+    bool known = false;
+    for (size_t k = 0; k < count && !known; k++) {
+      const float *other = sites->values + 2 * few[k];
+      known = other[0] == value[0] && other[1] == value[1];
+    }
+    if (known) continue;
+    if (count == FEW) return 0;
+    few[count++] = s;
   }
-  return *spots != NULL;
+  return count;
+}
+
+/* Sites to where they are searched, and to *spots those for the tree. */
+static StyStatus deal_sites(const StySites *sites, int dims, StyCells *cells, StySpot **spots, size_t *spot_count,
+                            const StyRun *run, StyError *error) {
+  size_t few[FEW];
+  const size_t few_count = find_few(sites, few);
+  if (!few_count && dims == 2 && lay_out_cells(sites, cells))
+    return sort_sites(sites, cells, spots, spot_count, run, error);
+  *cells = (StyCells){0};
+  *spot_count = few_count ? few_count : sites->count;
+  *spots = copy_sites(sites, dims, few_count ? few : NULL, *spot_count);
+  return *spots ? STY_OK : sty_fail_memory(error, "engine grid", (double)*spot_count * 12);
 }
 
 static StyStatus build_by_search(const StySites *sites, const StyMeasure *measure, StyLut *lut, const StyRun *run,
@@ -257,15 +327,9 @@ static StyStatus build_by_search(const StySites *sites, const StyMeasure *measur
   StyCells cells = {0};
   StyTree tree = {0};
   StySpot *spots = NULL;
-  size_t spot_count = sites->count, plain = 0;
-  const bool has_cells = measure->dims == 2 && lay_out_cells(sites, &cells);
-  if (!has_cells) cells = (StyCells){0};
-  StyStatus status = STY_OK;
-  if (has_cells)
-    status = sort_sites(sites, &cells, &spots, &spot_count, run, error);
-  else if (!copy_sites(sites, measure->dims, &spots))
-    status = sty_fail_memory(error, "engine grid", (double)sites->count * 12);
-  if (!status && has_cells) plain = drop_duplicates(&cells);
+  size_t spot_count = 0;
+  StyStatus status = deal_sites(sites, measure->dims, &cells, &spots, &spot_count, run, error);
+  const size_t plain = !status && cells.columns ? drop_duplicates(&cells, run) : 0;
   if (!status) status = sty_plant_tree(measure->dims, spots, spot_count, run, &tree, error);
   free(spots);
   if (!status) {

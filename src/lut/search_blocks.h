@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "lut/search.h"
-#ifdef __AVX512F__
+#ifdef __AVX2__
 #include <immintrin.h>
 #endif
 
@@ -323,6 +323,11 @@ INLINE void answer_row(int dims, const StySearchJob *job, int j0) {
     Block block;
     set_block(dims, job, i0, j0, &block);
     answer_block(dims, job, &block);
+#ifdef __AVX2__
+    /* What follows calls code for any processor, which is many times slower while
+     * the upper halves of the registers are in use; compilers forget it here. */
+    _mm256_zeroupper();
+#endif
     write_block(job, i0, j0, &block);
   }
 }
