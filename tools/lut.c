@@ -378,7 +378,7 @@ static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLu
   const bool serves = arguments->resolve != RESOLVE_COHERENT;
   const StyResolveOptions options = {.slack = arguments->slack * STY_LEVEL,
                                      .coherent = arguments->resolve != RESOLVE_FRAMES,
-                                     .guide = serves ? inputs->guide : NULL,
+                                     .guide = inputs->guide,
                                      .frames = serves ? (const StyImage *const *)inputs->frames : NULL,
                                      .frame_count = serves ? arguments->frames.count : 0};
   const StyRun run = begin_progress(&arguments->options, "resolving");

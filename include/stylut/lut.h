@@ -197,13 +197,15 @@ StyStatus sty_build_cube(const StySites *sites, const StyEngine *engine, const S
 
 /* What rules the choice among the source pixels of nearly equal distance. */
 typedef struct StyResolveOptions {
-  double slack;  /* guide units, 0 or more, above the least distance of each texel */
-  bool coherent; /* neighbouring texels on neighbouring pixels: a pair farther apart than 4 * longer side of the
-                    source / longer side of the table, and than 1, is a jump */
-  /* Guides of frames (A, normal.*): the pixels around which the runtime, with its
-   * default threshold, copies the largest pieces into such frames. Together with
-   * `coherent` the two are weighed. Both NULL and 0 without frames. */
-  const StyImage *guide; /* the table's own, with normal.Z */
+  double slack;          /* guide units, 0 or more, above the least distance of each texel */
+  bool coherent;         /* neighbouring texels on neighbouring pixels: a pair farther apart than 4 * longer side of the
+                            source / longer side of the table, and than 1, is a jump */
+  const StyImage *guide; /* the table's own: A, normal.* */
+  /* Guides of frames (the same channels): the pixels around which the runtime, with
+   * its default threshold, copies the largest pieces into such frames. Together
+   * with `coherent` the two are weighed; `coherent` without frames takes the guide
+   * itself for one, of little weight. NULL and 0 without frames. A guide or frame
+   * without normal.Z is taken to face the viewer everywhere. */
   const StyImage *const *frames;
   int frame_count;
 } StyResolveOptions;

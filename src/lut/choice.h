@@ -1,5 +1,5 @@
 /* What the texels of a table choose from: the source pixels within the slack of
- * the nearest, and with frames how well each would serve them. */
+ * the nearest, and how well each would serve frames. */
 #ifndef STYLUT_SRC_LUT_CHOICE_H
 #define STYLUT_SRC_LUT_CHOICE_H
 
@@ -21,13 +21,13 @@ enum { STY_DEAD, STY_RIM, STY_FEASIBLE };
 typedef struct StyChoice {
   StyLut *lut;
   int dims;
-  float *values[3];  /* planes of the source pixels, in the metric's space; NAN where uncovered */
-  float *places;     /* dims per texel */
-  float *limits;     /* per texel: the largest squared distance allowed */
-  uint8_t *live;     /* per texel: STY_DEAD and so on */
-  uint32_t *current; /* per texel: its source pixel, packed */
+  float *values[3];      /* planes of the source pixels, in the metric's space; NAN where uncovered */
+  float *places;         /* dims per texel */
+  float *limits;         /* per texel: the largest squared distance allowed */
+  uint8_t *live;         /* per texel: STY_DEAD and so on */
+  uint32_t *current;     /* per texel: its source pixel, packed */
+  const StyServe *serve; /* frames or, without any, the guide itself */
   /* With frames, else NULL: */
-  const StyServe *serve;
   uint32_t *favourites; /* per texel: the source pixel that serves them best */
   float *services;      /* per texel: how well */
 } StyChoice;

@@ -4,10 +4,10 @@
  * scatters: neighbouring texels land on source pixels far apart, and a style
  * drawn through such a table pops when a surface turns. Within the slack there
  * is usually a pixel near the neighbours' pixels. The coherent choice minimizes
- *   sum over neighbouring texels: much for a jump, a little for a shorter way
+ *   sum over neighbouring texels: much for a jump, a little for a long way
  *   + a little per texel for what its pixel is farther than the nearest
- *   + with frames, something per texel for what its pixel serves them worse
- *     than the one that serves them best,
+ *   + something per texel for how small a piece its pixel gives to frames; where
+ *     there are none, the guide itself stands in for them, at a lower price,
  * by fusion moves (Lempitsky, Rother, Roth, Blake, "Fusion Moves for Markov
  * Random Field Optimization", 2010): a proposal is a smooth patch grown over the
  * table from one texel and its pixel, as far as the slack lets the source's
@@ -20,24 +20,28 @@
 #include "lut/choice.h"
 #include "lut/cut.h"
 
-/* What the sum counts, in integers, so that it is the same everywhere: a jump; a
- * way almost as far; a texel at the full slack; a texel that doesn't serve frames
- * at all. STEP_COST and SLACK_COST are tuned on what moves between frames of a
- * turning figure: with STEP_COST 150 a quarter more does, with SLACK_COST 200 an
- * eighth. */
-enum { JUMP_COST = 1000, STEP_COST = 400, SLACK_COST = 60, SERVICE_COST = 1000 };
+/* What the sum counts, in integers, so that it is the same everywhere: a jump; how
+ * much more a way almost as far costs than one of FREE_WAY / 8 jumps, up to which
+ * ways cost nothing (on a sphere, its own guide, they are 2 / 8); a texel at the full
+ * slack; a texel whose pixel makes no piece at all in frames, or in the guide itself.
+ * If the shortest ways were the cheapest, small bumps would win, where all normals
+ * are close together, and so pieces would become small. */
+enum { JUMP_COST = 1000, STEP_COST = 1600, FREE_WAY = 3, SLACK_COST = 60 };
+enum { FRAMES_COST = 5000, GUIDE_COST = 200 };
 
 /* Proposals: so many at most; and no more once a round of them took off less than
  * the 1/LEAST_GAIN-th part of the sum. A round is over once its patches together
  * would cover the table ROUND times: many a seed's patch is a few texels, and a
- * handful of such says nothing about what there is to gain. */
-enum { MOST_PROPOSALS = 96, ROUND = 2, LEAST_GAIN = 20 };
+ * handful of such says nothing about what there is to gain. Three times as many
+ * made the sum a tenth less and tables no calmer. */
+enum { MOST_PROPOSALS = 64, ROUND = 2, LEAST_GAIN = 12 };
 
 enum { MOST_REACH = 16 };
 
 typedef struct Fusion {
   StyChoice *choice;
   int64_t farthest;      /* squared pixels: beyond it is a jump */
+  int32_t piece_cost;    /* FRAMES_COST or GUIDE_COST */
   int reach;             /* pixels: how far from a neighbour's pixel a patch looks for its next */
   int32_t *ways;         /* what a way costs, by its length in pixels along x plus along y, up to 2 * jump */
   uint32_t *proposal;    /* per texel: a packed source pixel, or none */
@@ -86,18 +90,18 @@ static int32_t get_excess_cost(const Excess *excess, float squared) {
   return cost > 0 ? cost < SLACK_COST ? (int32_t)(cost + 0.5f) : SLACK_COST : 0;
 }
 
-/* For a pixel that serves frames worse than the best. */
-static int32_t get_service_cost(const Fusion *f, int texel, uint32_t pixel) {
+/* For the piece around a pixel that is less than it could be. */
+static int32_t get_piece_cost(const Fusion *f, int texel, uint32_t pixel) {
   const StyChoice *choice = f->choice;
-  if (!choice->serve || !(choice->services[texel] > 0)) return 0;
-  const float service = sty_measure_service(choice->serve, (size_t)texel, sty_get_x(pixel), sty_get_y(pixel));
-  const float share = 1 - service / choice->services[texel];
-  return share > 0 ? (int32_t)(SERVICE_COST * share + 0.5f) : 0;
+  if (!sty_has_askers(choice->serve, (size_t)texel)) return 0;
+  const float piece = sty_measure_service(choice->serve, (size_t)texel, sty_get_x(pixel), sty_get_y(pixel));
+  const float share = 1 - piece / STY_LARGEST_PIECE;
+  return share > 0 ? (int32_t)((float)f->piece_cost * share + 0.5f) : 0;
 }
 
 static int32_t get_own_cost(const Fusion *f, int texel, uint32_t pixel) {
   const Excess excess = get_excess(f, texel);
-  return get_excess_cost(&excess, sty_measure_option(f->choice, texel, pixel)) + get_service_cost(f, texel, pixel);
+  return get_excess_cost(&excess, sty_measure_option(f->choice, texel, pixel)) + get_piece_cost(f, texel, pixel);
 }
 
 /* ---- growing a patch ---------------------------------------------------------- */
@@ -285,7 +289,7 @@ static void fuse_proposal(Fusion *f, int count) {
   sty_solve_cut(&f->cut);
   const long before = count_jumps(f, changes);
   exchange(f, changes);
-  if (!f->choice->serve && count_jumps(f, changes) > before) exchange(f, changes);
+  if (!f->choice->favourites && count_jumps(f, changes) > before) exchange(f, changes);
   for (int n = 0; n < changes; n++) f->node[f->queue[n]] = -1;
 }
 
@@ -357,7 +361,9 @@ static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
   const int table = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
   const double jump = 4 * source > table ? 4.0 * source / table : 1;
   const size_t longest = (size_t)(2 * jump);
-  *f = (Fusion){.choice = choice, .farthest = (int64_t)(jump * jump)};
+  *f = (Fusion){.choice = choice,
+                .farthest = (int64_t)(jump * jump),
+                .piece_cost = choice->favourites ? FRAMES_COST : GUIDE_COST};
   f->reach = jump < 2 ? 1 : jump > 2 * MOST_REACH ? MOST_REACH : (int)(jump / 2);
   f->ways = malloc((longest + 1) * sizeof *f->ways);
   f->proposal = malloc(texels * sizeof *f->proposal);
@@ -370,7 +376,10 @@ static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
     close_fusion(f);
     return sty_fail_memory(error, "coherent LUT", (double)texels * 115);
   }
-  for (size_t length = 0; length <= longest; length++) f->ways[length] = (int32_t)(STEP_COST * (double)length / jump);
+  for (size_t length = 0; length <= longest; length++) {
+    const double way = (double)length / jump - FREE_WAY / 8.0;
+    f->ways[length] = way > 0 ? (int32_t)(STEP_COST * way) : 0;
+  }
   for (size_t t = 0; t < texels; t++) {
     f->node[t] = -1;
     if (choice->live[t]) f->own[t] = get_own_cost(f, (int)t, choice->current[t]);
@@ -382,7 +391,7 @@ StyStatus sty_make_coherent(StyChoice *choice, const StyRun *run, StyError *erro
   Fusion f;
   const StyStatus status = open_fusion(choice, &f, error);
   if (status) return status;
-  if (choice->serve) fuse_proposal(&f, propose_favourites(&f));
+  if (choice->favourites) fuse_proposal(&f, propose_favourites(&f));
   uint64_t state = 1;
   int64_t cost = count_cost(&f), grown = 0;
   const int64_t round = ROUND * (int64_t)count_live(&f);

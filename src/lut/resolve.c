@@ -7,10 +7,10 @@
 #include "lut/choice.h"
 #include "lut/near.h"
 
-/* So many of the pixels within the slack are tried on frames, evenly chosen. All
- * of them, 62 on average on the figure this was tuned with, took three times as
- * long and made the pieces no larger. */
-enum { MOST_TRIED = 24 };
+/* So many of the pixels within the slack are tried on frames, evenly chosen. On the
+ * figures this was tuned with, 24 took up to twice as long and all, 62 on average,
+ * six times, and pieces were no larger. */
+enum { MOST_TRIED = 8 };
 
 /* ---- setting up --------------------------------------------------------------- */
 
@@ -160,13 +160,14 @@ StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOp
   StyServe serve = {0};
   StyStatus status = open_choice(lut, sites, options->slack, &choice, error);
   if (status) return status;
-  if (options->frame_count) {
-    status = sty_open_serve(lut, options->guide, options->frames, options->frame_count, &serve, error);
-    choice.serve = &serve;
-    if (!status) status = choose_favourites(&choice, sites, options->slack, run, error);
-  }
+  /* Without frames the guide itself is the best guess at what they look like. */
+  const bool has_frames = options->frame_count > 0;
+  status = sty_open_serve(lut, options->guide, has_frames ? options->frames : &options->guide,
+                          has_frames ? options->frame_count : 1, &serve, error);
+  choice.serve = &serve;
+  if (!status && has_frames) status = choose_favourites(&choice, sites, options->slack, run, error);
   if (!status && options->coherent) status = sty_make_coherent(&choice, run, error);
-  if (!status) write_choices(&choice, options->coherent || !choice.serve ? choice.current : choice.favourites);
+  if (!status) write_choices(&choice, options->coherent || !has_frames ? choice.current : choice.favourites);
   sty_close_serve(&serve);
   close_choice(&choice);
   return status;

@@ -42,7 +42,7 @@ static StyStatus open_patch(const StyImage *guide, int nothing, StyPatch *out, S
   const float *covered = sty_find_channel(guide, "A");
   const float *normal[3] = {sty_find_channel(guide, "normal.X"), sty_find_channel(guide, "normal.Y"),
                             sty_find_channel(guide, "normal.Z")};
-  if (!covered || !normal[0] || !normal[1] || !normal[2])
+  if (!covered || !normal[0] || !normal[1])
     return sty_fail(error, STY_ERROR_INPUT, "frames: found a guide without normals, expected channels A, normal.*");
   StyPatch patch = {.pitch = guide->width + 2 * MARGIN};
   const size_t pitch = (size_t)patch.pitch, size = pitch * (size_t)(guide->height + 2 * MARGIN);
@@ -53,8 +53,10 @@ static StyStatus open_patch(const StyImage *guide, int nothing, StyPatch *out, S
   for (size_t y = 0; y < (size_t)guide->height; y++)
     for (size_t x = 0; x < (size_t)guide->width; x++) {
       const size_t p = y * (size_t)guide->width + x;
-      if (covered[p] > 0)
-        for (int k = 0; k < 3; k++) patch.bytes[y * pitch + x][k] = get_byte(normal[k][p]);
+      if (!(covered[p] > 0)) continue;
+      const float z = normal[2] ? normal[2][p] : sty_get_height(normal[0][p], normal[1][p]);
+      const float n[3] = {normal[0][p], normal[1][p], z};
+      for (int k = 0; k < 3; k++) patch.bytes[y * pitch + x][k] = get_byte(n[k]);
     }
   set_offsets(&patch);
   *out = patch;

@@ -42,7 +42,8 @@ void sty_close_serve(StyServe *serve);
 static inline bool sty_has_askers(const StyServe *serve, size_t texel) { return serve->askers[texel][0].frame >= 0; }
 
 /* The mean size, pixels, of the pieces that source pixel (x, y) would make around
- * those that ask for the texel; 0 where nobody asks. */
+ * those that ask for the texel, at most STY_LARGEST_PIECE; 0 where nobody asks. */
+enum { STY_LARGEST_PIECE = 5027 };
 float sty_measure_service(const StyServe *serve, size_t texel, int x, int y);
 
 #endif

@@ -57,7 +57,7 @@ static Tables build_with(const StyImage *guide, StyLutSpec spec, const StyResolv
 }
 
 static Tables build(const StyImage *guide, StyLutSpec spec, double slack) {
-  return build_with(guide, spec, &(StyResolveOptions){.slack = slack, .coherent = true}, NULL);
+  return build_with(guide, spec, &(StyResolveOptions){.slack = slack, .coherent = true, .guide = guide}, NULL);
 }
 
 static void destroy(Tables *t) {
