@@ -94,7 +94,9 @@ static int32_t get_excess_cost(const Excess *excess, float squared) {
 static int32_t get_piece_cost(const Fusion *f, int texel, uint32_t pixel) {
   const StyChoice *choice = f->choice;
   if (!sty_has_askers(choice->serve, (size_t)texel)) return 0;
-  const float piece = sty_measure_service(choice->serve, (size_t)texel, sty_get_x(pixel), sty_get_y(pixel));
+  const bool known = choice->favourites && choice->favourites[texel] == pixel;
+  const float piece = known ? choice->services[texel]
+                            : sty_measure_service(choice->serve, (size_t)texel, sty_get_x(pixel), sty_get_y(pixel));
   const float share = 1 - piece / STY_LARGEST_PIECE;
   return share > 0 ? (int32_t)((float)f->piece_cost * share + 0.5f) : 0;
 }

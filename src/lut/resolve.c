@@ -10,7 +10,7 @@
 /* So many of the pixels within the slack are tried on frames, evenly chosen. On the
  * figures this was tuned with, 24 took up to twice as long and all, 62 on average,
  * six times, and pieces were no larger. */
-enum { MOST_TRIED = 8 };
+enum { MOST_TRIED = 10 };
 
 /* ---- setting up --------------------------------------------------------------- */
 
