@@ -131,6 +131,11 @@ static StyStatus check_resolve(Arguments *arguments) {
   if (serves && !arguments->frames.count)
     return sty_fail(error, STY_ERROR_USAGE, "--resolve: found %s without --frames, expected the frames to serve",
                     resolve_names[arguments->resolve]);
+  if (arguments->resolve != RESOLVE_NEAREST && !arguments->engine->exact)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--resolve: found %s with engine %s, expected an exact one, from whose "
+                    "distances the slack is counted",
+                    resolve_names[arguments->resolve], arguments->engine->name);
   if (arguments->frames.count && !serves && arguments->size != 0 && !arguments->feature_count)
     return sty_fail(error, STY_ERROR_USAGE,
                     "--frames: found with --size %d and --resolve %s, expected auto, frames or both", arguments->size,
@@ -144,6 +149,7 @@ static StyStatus check_resolve(Arguments *arguments) {
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   if (arguments->size == DEFAULT_SIZE) arguments->size = arguments->feature_count ? 64 : 256;
+  arguments->engine = get_engine(&arguments->options, !arguments->feature_count);
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
   if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
     status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
@@ -153,7 +159,6 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (!status) status = check_resolve(arguments);
   if (!status && !arguments->feature_count && arguments->max_memory)
     status = sty_fail(error, STY_ERROR_USAGE, "--max-memory: found without --channels, expected three dimensions");
-  arguments->engine = get_engine(&arguments->options, !arguments->feature_count);
   if (!status) status = require_output(&arguments->options);
   if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
   if (!status)
@@ -236,22 +241,26 @@ static const struct argp parser = {
 typedef struct Account {
   size_t points, unique;
   double mean_error, max_error; /* guide units, feasible texels; of a cube all, weighted */
+  double mean_paid, max_paid;   /* the same, for what --resolve put above the least */
   StyFeature axes[3];           /* of a cube */
   double times[3];              /* read, build, write */
 } Account;
 
-static void measure_errors(const StyLut *lut, Account *account) {
+/* Of the table's errors, less `base` where there is one: mean and largest. */
+static void measure_errors(const StyLut *lut, const float *base, double *mean, double *most) {
   size_t feasible = 0;
   double sum = 0;
+  *most = 0;
   for (int j = 0; j < lut->spec.height; j++)
     for (int i = 0; i < lut->spec.width; i++) {
       if (!lut->depth && !sty_is_feasible(&lut->spec, i, j)) continue;
-      const double distance = lut->errors[(size_t)j * (size_t)lut->spec.width + (size_t)i];
+      const size_t texel = (size_t)j * (size_t)lut->spec.width + (size_t)i;
+      const double distance = (double)lut->errors[texel] - (base ? (double)base[texel] : 0);
       feasible++;
       sum += distance;
-      if (distance > account->max_error) account->max_error = distance;
+      if (distance > *most) *most = distance;
     }
-  account->mean_error = feasible ? sum / (double)feasible : 0;
+  *mean = feasible ? sum / (double)feasible : 0;
 }
 
 /* "256x256" or "64x64x64". */
@@ -264,14 +273,15 @@ static const char *name_sides(const Arguments *arguments, char out[64]) {
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "build", "write"};
   if (arguments->options.json) {
-    json_t *report = json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:o, s:f}", "schema",
-                               "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact,
-                               "resolve", resolve_names[arguments->resolve], "size", arguments->size, "sampling",
-                               sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
-                               sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding],
-                               "points", (json_int_t)account->points, "unique", (json_int_t)account->unique,
-                               "mean_distance", account->mean_error, "max_distance", account->max_error, "time_ms",
-                               pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes());
+    json_t *report =
+        json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:f, s:o, s:f}", "schema",
+                  "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact, "resolve",
+                  resolve_names[arguments->resolve], "size", arguments->size, "sampling",
+                  sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
+                  sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points",
+                  (json_int_t)account->points, "unique", (json_int_t)account->unique, "mean_distance",
+                  account->mean_error, "max_distance", account->max_error, "mean_paid", account->mean_paid, "max_paid",
+                  account->max_paid, "time_ms", pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes());
     if (arguments->feature_count) pack_features(report, account->axes, 3);
     return print_json(report, error);
   }
@@ -285,15 +295,20 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   else
     printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
            account->mean_error / STY_LEVEL, account->max_error / STY_LEVEL);
+  if (arguments->resolve != RESOLVE_NEAREST)
+    printf("resolve %s; of the slack of %g levels it paid: mean %.3f, max %.3f\n", resolve_names[arguments->resolve],
+           arguments->slack, account->mean_paid / STY_LEVEL, account->max_paid / STY_LEVEL);
   printf("read %.1f ms, build %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
          account->times[2], get_peak_bytes() / 1e6);
   return STY_OK;
 }
 
 static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyError *error) {
+  const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
+  memcpy(inputs + 1, arguments->frames.files, (size_t)arguments->frames.count * sizeof *inputs);
   StyImage *image = NULL;
   StyStatus status = sty_encode_lut(lut, (StyEncoding)arguments->encoding, &image, error);
-  if (!status) status = add_history(&arguments->options, "lut", image, &arguments->guide, 1, error);
+  if (!status) status = add_history(&arguments->options, "lut", image, inputs, 1 + arguments->frames.count, error);
   if (!status) status = sty_write_image(arguments->options.output, image, error);
   sty_destroy_image(&image);
   return status;
@@ -373,8 +388,13 @@ static StyStatus collect(const Arguments *arguments, const StyImage *guide, StyS
   return STY_ERROR_USAGE;
 }
 
-static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLut *lut, StyError *error) {
+static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLut *lut, Account *account,
+                         StyError *error) {
   if (arguments->resolve == RESOLVE_NEAREST) return STY_OK;
+  const size_t size = sty_count_texels(&lut->spec) * sizeof *lut->errors;
+  float *least = malloc(size);
+  if (!least) return sty_fail_memory(error, "LUT", (double)size);
+  memcpy(least, lut->errors, size);
   const bool serves = arguments->resolve != RESOLVE_COHERENT;
   const StyResolveOptions options = {.slack = arguments->slack * STY_LEVEL,
                                      .coherent = arguments->resolve != RESOLVE_FRAMES,
@@ -384,11 +404,13 @@ static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLu
   const StyRun run = begin_progress(&arguments->options, "resolving");
   const StyStatus status = sty_resolve_lut(lut, inputs->sites, &options, &run, error);
   end_progress(&arguments->options);
+  if (!status) measure_errors(lut, least, &account->mean_paid, &account->max_paid);
+  free(least);
   return status;
 }
 
 static StyStatus build(const Arguments *arguments, const Inputs *inputs, const StyLutSpec *spec, StyLut **out,
-                       StyError *error) {
+                       Account *account, StyError *error) {
   const StyEngineOptions *options = &arguments->options.engine_options;
   const StyEngine *engine = arguments->engine;
   const StyRun run = begin_progress(&arguments->options, "searching");
@@ -396,7 +418,7 @@ static StyStatus build(const Arguments *arguments, const Inputs *inputs, const S
                          ? sty_build_cube(inputs->sites, engine, options, arguments->size, &run, out, error)
                          : sty_build_lut(inputs->sites, engine, options, spec, &run, out, error);
   end_progress(&arguments->options);
-  if (!status) status = resolve(arguments, inputs, *out, error);
+  if (!status) status = resolve(arguments, inputs, *out, account, error);
   if (status) sty_fail(error, status, "%s: %s", arguments->guide, error->text);
   return status;
 }
@@ -436,14 +458,14 @@ static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account 
   if (arguments->options.dry_run) return announce(arguments, inputs->sites);
   StyLut *lut = NULL;
   const double start = sty_get_milliseconds();
-  status = build(arguments, inputs, &spec, &lut, error);
+  status = build(arguments, inputs, &spec, &lut, account, error);
   const double built = sty_get_milliseconds();
   account->times[1] += built - start;
   if (!status) {
     account->points = inputs->sites->count;
     account->unique = lut->unique;
     memcpy(account->axes, lut->axes, sizeof account->axes);
-    measure_errors(lut, account);
+    measure_errors(lut, NULL, &account->mean_error, &account->max_error);
     status = write_lut(arguments, lut, error);
     account->times[2] = sty_get_milliseconds() - built;
   }

@@ -212,8 +212,8 @@ typedef struct StyResolveOptions {
 
 /* Replaces source pixels of an exact table of these sites by others within the
  * slack. Deterministic. `coherent` without frames never adds jumps between feasible
- * texels, and leaves a table without any as it is.
- * STY_ERROR_INPUT: a guide without the channels. */
+ * texels, and leaves a table without any, their neighbours at the rim included, as it
+ * is. STY_ERROR_INPUT: a guide without the channels, or not of the table's source. */
 StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOptions *options, const StyRun *run,
                           StyError *error);
 

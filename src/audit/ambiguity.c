@@ -78,32 +78,39 @@ static double measure_spread(const StyNearList *list, const StySites *sites) {
 typedef struct Scratch {
   StyNearList list;
   Pieces pieces;
+  StyAmbiguity last; /* that of the list */
 } Scratch;
 
 static void free_scratch(Scratch *scratch) {
-  free(scratch->list.sites);
+  sty_free_near_list(&scratch->list);
   free(scratch->pieces.stretches);
 }
 
 /* False: memory is short. */
 static bool measure_choice(const StyNear *near, const float *at, double least, double precision, Scratch *scratch,
-                           StyChoice *out) {
+                           StyAmbiguity *out) {
   const StyNearList *list = &scratch->list;
   Pieces *pieces = &scratch->pieces;
   /* The margin lets the nearest itself in, whose distance was measured in float. */
   const double radius = (least + precision) * (1 + 1e-6) + 1e-7;
   if (!sty_list_near(near, at, radius, &scratch->list)) return false;
+  if (list->unchanged) {
+    *out = scratch->last;
+    return true;
+  }
   if (pieces->capacity < list->count) {
     Stretch *grown = realloc(pieces->stretches, list->count * sizeof *grown);
     if (!grown) return false;
     *pieces = (Pieces){grown, list->count};
   }
   const size_t count = cut_stretches(list, near->sites, pieces->stretches);
-  *out = (StyChoice){list->count, count_pieces(pieces->stretches, count), measure_spread(list, near->sites)};
+  scratch->last =
+      (StyAmbiguity){list->count, count_pieces(pieces->stretches, count), measure_spread(list, near->sites)};
+  *out = scratch->last;
   return true;
 }
 
-StyStatus sty_measure_choice(const StyNear *near, const float *at, double least, double precision, StyChoice *out,
+StyStatus sty_measure_choice(const StyNear *near, const float *at, double least, double precision, StyAmbiguity *out,
                              StyError *error) {
   Scratch scratch = {0};
   const bool enough = measure_choice(near, at, least, precision, &scratch, out);
@@ -124,7 +131,7 @@ static bool measure_texel(const Job *job, int i, int j, Scratch *scratch) {
   const size_t texel = (size_t)j * (size_t)job->exact->spec.width + (size_t)i;
   StyQuery query;
   sty_make_query(&job->measure, job->exact, i, j, &query);
-  StyChoice choice;
+  StyAmbiguity choice;
   if (!measure_choice(&job->near, query.at, (double)job->exact->errors[texel], job->precision, scratch, &choice))
     return false;
   job->pieces[texel] = (float)choice.pieces;

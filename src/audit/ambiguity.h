@@ -6,13 +6,13 @@
 #include "stylut/audit.h"
 
 /* The source pixels that one place might as well be answered with. */
-typedef struct StyChoice {
+typedef struct StyAmbiguity {
   size_t pixels, pieces; /* pieces: connected ones (8-neighbours) */
   double spread;         /* RMS distance from their centroid, pixels */
-} StyChoice;
+} StyAmbiguity;
 
 /* Of the sites within `precision` of `least`, the least distance from `at` (in the metric's space, guide units). */
-StyStatus sty_measure_choice(const StyNear *near, const float *at, double least, double precision, StyChoice *out,
+StyStatus sty_measure_choice(const StyNear *near, const float *at, double least, double precision, StyAmbiguity *out,
                              StyError *error);
 
 /* Per texel of the exact table: how many connected pieces (8-neighbours) the

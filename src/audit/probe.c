@@ -117,7 +117,7 @@ static size_t find_runner_up(const Question *question) {
 
 static StyStatus measure_ambiguity(const StySites *sites, const Question *question, StyProbe *out, StyError *error) {
   StyNear near;
-  StyChoice choice;
+  StyAmbiguity choice;
   StyStatus status = sty_open_near(sites, question->points.measure.dims, out->precision, &near, error);
   if (status) return status;
   status = sty_measure_choice(&near, question->query.at, out->best.distance, out->precision, &choice, error);

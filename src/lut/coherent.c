@@ -22,7 +22,8 @@
 
 /* What the sum counts, in integers, so that it is the same everywhere: a jump; how
  * much more a way almost as far costs than one of FREE_WAY / 8 jumps, up to which
- * ways cost nothing (on a sphere, its own guide, they are 2 / 8); a texel at the full
+ * ways cost nothing (on a sphere, its own guide, they are 2 / 8), and a diagonal one
+ * may cost more than a jump; a texel at the full
  * slack; a texel whose pixel makes no piece at all in frames, or in the guide itself.
  * If the shortest ways were the cheapest, small bumps would win, where all normals
  * are close together, and so pieces would become small. */

@@ -118,7 +118,7 @@ static StyStatus choose_row(void *context, long j, StyError *error) {
       try_pixel(choice, texel, sty_pack_pixel(pixel % source, pixel / source));
     }
   }
-  free(list.sites);
+  sty_free_near_list(&list);
   return status;
 }
 
@@ -156,6 +156,9 @@ StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOp
                           StyError *error) {
   if (lut->depth)
     return sty_fail(error, STY_ERROR_USAGE, "LUT: found three dimensions, expected two for a choice within the slack");
+  if (!options->guide || options->guide->width != lut->source_width || options->guide->height != lut->source_height)
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "LUT: found no guide or one of another size, expected the one it is made of");
   StyChoice choice;
   StyServe serve = {0};
   StyStatus status = open_choice(lut, sites, options->slack, &choice, error);

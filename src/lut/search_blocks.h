@@ -44,7 +44,6 @@ INLINE Ints load_ints(const int32_t *from) {
 }
 
 /* All lanes alike: an operation with a number spreads it. */
-INLINE Floats spread_float(float value) { return value - (Floats){0}; }
 INLINE Ints spread_int(int32_t value) { return value - (Ints){0}; }
 
 INLINE Ints select_ints(Ints mask, Ints yes, Ints no) { return (mask & yes) | (~mask & no); }

@@ -99,6 +99,11 @@ expect_slack() {
   bring guide.png 'frame.*' small.exr flat.exr
   accept lut guide.png -s 32 --resolve frames --frames small.exr frame.1.png -o mixed.exr --format json
   expect resolve "$(json - r.resolve <<<"$output")" frames
+  # What it paid is said, and what it was made from is kept.
+  expect 'paid within two levels, and something' \
+    "$(json - 'r.max_paid <= 4 / 255 && r.max_paid >= r.mean_paid && r.mean_paid > 0' <<<"$output")" true
+  accept info mixed.exr
+  expect_holds 'inputs of the table' "$output" stylut:input3
   accept lut --resolve both --frames small.exr --slack 1 -s 32 -o first.exr guide.png
   prove lut guide.png -s 32 --resolve frames --frames small.exr -o out.exr
   refuse 3 flat.exr lut guide.png -s 32 --resolve frames --frames flat.exr -o none.exr
@@ -114,6 +119,7 @@ expect_slack() {
   refuse 1 --frames lut guide.png -s 32 --resolve coherent --frames frame.1.png -o none.exr
   refuse 1 --frames lut guide.png -s 32 --frames frame.1.png -o none.exr
   refuse 1 --slack lut guide.png -s 32 --slack 2 -o none.exr
+  refuse 1 flann-forest lut guide.png -s 32 --resolve coherent -e flann-forest -o none.exr
   refuse 1 --slack lut guide.png -s 32 --resolve nearest --slack 0 -o none.exr
   refuse 1 -1 lut guide.png -s 32 --resolve coherent --slack -1 -o none.exr
   refuse 1 cohesive lut guide.png -s 32 --resolve cohesive -o none.exr

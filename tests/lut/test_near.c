@@ -63,14 +63,14 @@ static void test_against_a_scan(void **state) {
   (void)state;
   uint64_t random = 31;
   static const double wanted[] = {0, 1e-7, 0.001, 0.02, 0.3, 5};
-  StyNearList list = {0}; /* one for all: what it held before doesn't matter */
-  size_t listed = 0;
+  size_t listed = 0, unchanged = 0;
   for (int trial = 0; trial < CASES(1200, 200); trial++) {
     const Kind kind = (Kind)(trial % KINDS);
     const int dims = 2 + trial / KINDS % 2;
     StySites sites = make_sites(kind, 1 + (size_t)draw_below(&random, trial % 10 ? 60 : 3000), &random);
     StyNear near;
     assert_int_equal(sty_open_near(&sites, dims, wanted[draw_below(&random, 6)], &near, NULL), STY_OK);
+    StyNearList list = {0}; /* one for all queries: what it held before doesn't matter */
     char what[60];
     snprintf(what, sizeof what, "kind %d, trial %d, %zu sites", (int)kind, trial, sites.count);
     for (int query = 0; query < 30; query++) {
@@ -82,13 +82,14 @@ static void test_against_a_scan(void **state) {
       double radius = wanted[draw_below(&random, 6)];
       if (query % 3 == 0) radius = sqrt(measure(&sites, dims, (size_t)draw_below(&random, (int)sites.count), at));
       listed += expect_list(&near, at, radius, &list, what);
+      unchanged += list.unchanged;
       if (query % 2) assert_true(list.count > 0); /* itself at least */
     }
+    sty_free_near_list(&list);
     sty_close_near(&near);
     free_sites(&sites);
   }
-  assert_true(listed > 10000);
-  free(list.sites);
+  assert_true(listed > 10000 && unchanged > 1000);
 }
 
 static void test_by_hand(void **state) {
@@ -101,7 +102,9 @@ static void test_by_hand(void **state) {
   assert_int_equal(sty_open_near(&sites, 2, 0.25, &near, NULL), STY_OK);
   static const float middle[3] = {0, 0, 1}, right[3] = {0.5f, 0, 0}, left[3] = {-1, 0, 0};
   assert_true(sty_list_near(&near, middle, 0, &list));
-  assert_true(list.count == 2 && list.sites[0] == 0 && list.sites[1] == 2);
+  assert_true(list.count == 2 && list.sites[0] == 0 && list.sites[1] == 2 && !list.unchanged);
+  assert_true(sty_list_near(&near, middle, 0.1, &list));
+  assert_true(list.count == 2 && list.sites[0] == 0 && list.sites[1] == 2 && list.unchanged);
   assert_true(sty_list_near(&near, right, 0.25, &list)); /* up to the radius itself */
   assert_true(list.count == 2 && list.sites[0] == 1 && list.sites[1] == 3);
   assert_true(sty_list_near(&near, right, 0.2499, &list));
@@ -112,13 +115,14 @@ static void test_by_hand(void **state) {
   assert_int_equal(list.count, 5);
   for (uint32_t s = 0; s < 5; s++) assert_int_equal(list.sites[s], s);
   sty_close_near(&near);
+  sty_free_near_list(&list);
   assert_null(near.first);
   /* By angle the last is at the rim. */
   assert_int_equal(sty_open_near(&sites, 3, 0.25, &near, NULL), STY_OK);
   assert_true(sty_list_near(&near, left, 1e-6, &list));
   assert_true(list.count == 1 && list.sites[0] == 4);
   sty_close_near(&near);
-  free(list.sites);
+  sty_free_near_list(&list);
 }
 
 /* However small the radius, buckets are no more than sites, about. */
