@@ -136,10 +136,13 @@ static StyStatus check_resolve(Arguments *arguments) {
                     "--resolve: found %s with engine %s, expected an exact one, from whose "
                     "distances the slack is counted",
                     resolve_names[arguments->resolve], arguments->engine->name);
+  if (arguments->resolve != RESOLVE_NEAREST && arguments->size == 0)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--size: found auto with --resolve %s, expected a number: budgets are those of the nearest",
+                    resolve_names[arguments->resolve]);
   if (arguments->frames.count && !serves && arguments->size != 0 && !arguments->feature_count)
     return sty_fail(error, STY_ERROR_USAGE,
-                    "--frames: found with --size %d and --resolve %s, expected auto, frames or both", arguments->size,
-                    resolve_names[arguments->resolve]);
+                    "--frames: found without use, expected them with --size auto or --resolve frames or both");
   if (arguments->slack >= 0 && arguments->resolve == RESOLVE_NEAREST)
     return sty_fail(error, STY_ERROR_USAGE, "--slack: found with --resolve nearest, expected coherent, frames or both");
   if (arguments->slack < 0) arguments->slack = default_slack;

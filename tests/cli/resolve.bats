@@ -119,6 +119,7 @@ expect_slack() {
   refuse 1 --frames lut guide.png -s 32 --resolve coherent --frames frame.1.png -o none.exr
   refuse 1 --frames lut guide.png -s 32 --frames frame.1.png -o none.exr
   refuse 1 --slack lut guide.png -s 32 --slack 2 -o none.exr
+  refuse 1 auto lut guide.png -s auto --max-p99 5 --resolve coherent -o none.exr
   refuse 1 flann-forest lut guide.png -s 32 --resolve coherent -e flann-forest -o none.exr
   refuse 1 --slack lut guide.png -s 32 --resolve nearest --slack 0 -o none.exr
   refuse 1 -1 lut guide.png -s 32 --resolve coherent --slack -1 -o none.exr
