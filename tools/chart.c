@@ -120,10 +120,9 @@ static StyStatus check_outputs(Arguments *arguments) {
   if (arguments->csv) status = check_ending("--csv", arguments->csv, tables, &choice, error);
   if (!status && options->output) status = check_ending("--output", options->output, pictures, &choice, error);
   arguments->format = (PlotFormat)choice;
-  for (int i = 0; !status && i < 2; i++) {
-    status = protect_inputs(options, outputs[i], &arguments->guide, 1);
-    if (!status) status = protect_inputs(options, outputs[i], arguments->frames.files, arguments->frames.count);
-  }
+  const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
+  const int count = append_frames(&arguments->frames, inputs, 1);
+  for (int i = 0; !status && i < 2; i++) status = protect_inputs(options, outputs[i], inputs, count);
   return status;
 }
 
@@ -237,14 +236,9 @@ static StyStatus write_table(const Arguments *arguments, const StyChart *chart, 
 
 /* ---- files ------------------------------------------------------------------------- */
 
-static const char *get_base_name(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash && slash[1] ? slash + 1 : path;
-}
-
 static StyStatus draw_picture(const Arguments *arguments, const StyImage *guide, const StyChart *chart, FILE *stream,
                               StyError *error) {
-  json_t *name = make_plain_text(get_base_name(arguments->guide));
+  json_t *name = make_plain_text(sty_get_base_name(arguments->guide));
   char *title = NULL;
   if (!name || asprintf(&title, "%s: %d x %d pixels, %s%s; numbers are texels a side", json_string_value(name),
                         guide->width, guide->height,

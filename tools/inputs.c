@@ -48,6 +48,11 @@ StyStatus take_argument_or_frame(Options *options, const char **slot, Frames *fr
   return *slot && frames->count ? add_frame(frames, text, &options->error) : take_argument(options, slot, text);
 }
 
+int append_frames(const Frames *frames, const char **files, int count) {
+  memcpy(files + count, frames->files, (size_t)frames->count * sizeof *files);
+  return count + frames->count;
+}
+
 StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error) {
   StyStatus status = STY_OK;
   for (int f = 0; !status && f < frames->count; f++) status = read_guide(frames->files[f], &out[f], error);

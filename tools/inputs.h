@@ -27,6 +27,9 @@ StyStatus add_frame(Frames *frames, const char *file, StyError *error);
 /* A command's own argument into *slot, then more frames once --frames was given. */
 StyStatus take_argument_or_frame(Options *options, const char **slot, Frames *frames, const char *text);
 
+/* Writes their names behind `count` others; how many there are then. */
+int append_frames(const Frames *frames, const char **files, int count);
+
 /* Reads them all into `out`, which is zero and has room for MOST_FRAMES; the
  * caller destroys what it holds, after a failure too. */
 StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error);

@@ -151,6 +151,8 @@ static StyStatus check_resolve(Arguments *arguments) {
 
 static StyStatus check_arguments(Arguments *arguments) {
   StyError *error = &arguments->options.error;
+  const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
+  const int count = append_frames(&arguments->frames, inputs, 1);
   if (arguments->size == DEFAULT_SIZE) arguments->size = arguments->feature_count ? 64 : 256;
   arguments->engine = get_engine(&arguments->options, !arguments->feature_count);
   StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
@@ -163,10 +165,7 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (!status && !arguments->feature_count && arguments->max_memory)
     status = sty_fail(error, STY_ERROR_USAGE, "--max-memory: found without --channels, expected three dimensions");
   if (!status) status = require_output(&arguments->options);
-  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->guide, 1);
-  if (!status)
-    status = protect_inputs(&arguments->options, arguments->options.output, arguments->frames.files,
-                            arguments->frames.count);
+  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, inputs, count);
   StyImageFormat format = STY_IMAGE_EXR;
   if (!status) status = sty_get_image_format(arguments->options.output, &format, error);
   if (status) return status;
@@ -308,10 +307,10 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
 
 static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyError *error) {
   const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
-  memcpy(inputs + 1, arguments->frames.files, (size_t)arguments->frames.count * sizeof *inputs);
+  const int count = append_frames(&arguments->frames, inputs, 1);
   StyImage *image = NULL;
   StyStatus status = sty_encode_lut(lut, (StyEncoding)arguments->encoding, &image, error);
-  if (!status) status = add_history(&arguments->options, "lut", image, inputs, 1 + arguments->frames.count, error);
+  if (!status) status = add_history(&arguments->options, "lut", image, inputs, count, error);
   if (!status) status = sty_write_image(arguments->options.output, image, error);
   sty_destroy_image(&image);
   return status;

@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "options.h"
+#include "passes.h"
 #include "races.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
@@ -263,8 +264,6 @@ StyStatus measure_packing(int repeats, const StyRun *run, RaceResults *results, 
 
 /* ---- stylizing -------------------------------------------------------------------- */
 
-enum { TILE = 64, COLUMNS = (WIDTH + TILE - 1) / TILE, TILES = COLUMNS * ((HEIGHT + TILE - 1) / TILE) };
-
 typedef struct Stylizing {
   const StyBundle *bundle;
   StyFrame frame;
@@ -274,29 +273,13 @@ typedef struct Stylizing {
   double covered; /* millions of pixels */
 } Stylizing;
 
-static StyRect get_tile(long i) {
-  const int x = (int)(i % COLUMNS) * TILE, y = (int)(i / COLUMNS) * TILE;
-  return (StyRect){x, y, x + TILE < WIDTH ? x + TILE : WIDTH, y + TILE < HEIGHT ? y + TILE : HEIGHT};
-}
-
-static StyStatus transfer_tile(void *context, long i, StyError *error) {
-  const Stylizing *work = context;
-  const StyRuntimeStatus status = sty_transfer_frame(work->bundle, &work->frame, get_tile(i), work->matches);
-  return status ? sty_fail(error, STY_ERROR_LIBRARY, "runtime: %s", sty_describe_runtime_status(status)) : STY_OK;
-}
-
-static StyStatus blend_tile(void *context, long i, StyError *error) {
-  const Stylizing *work = context;
-  const StyRuntimeStatus status =
-      sty_blend_frame(work->bundle, &work->frame, get_tile(i), work->matches, 8, work->picture);
-  return status ? sty_fail(error, STY_ERROR_LIBRARY, "runtime: %s", sty_describe_runtime_status(status)) : STY_OK;
-}
-
 static StyStatus stylize_once(const Entrant *self, double *milliseconds, StyError *error) {
+  const Stylizing *work = self->subject;
   const StyRun run = {.threads = self->threads};
   const double start = sty_get_milliseconds();
-  const StyStatus status =
-      sty_parallel_for(&run, TILES, self->choice ? blend_tile : transfer_tile, self->subject, error);
+  const StyStatus status = self->choice
+                               ? blend_frame(work->bundle, &work->frame, work->matches, 8, work->picture, &run, error)
+                               : transfer_frame(work->bundle, &work->frame, work->matches, &run, error);
   *milliseconds = sty_get_milliseconds() - start;
   return status;
 }

@@ -15,14 +15,14 @@ enum { MOST_FILES = 2 + MOST_FRAMES };
 static StyStatus check_output(AuditCommand *command) {
   Options *options = &command->options;
   const char *inputs[MOST_FILES] = {command->audit.lut, command->audit.guide};
-  memcpy(inputs + 2, command->audit.frames.files, (size_t)command->audit.frames.count * sizeof *inputs);
+  const int count = append_frames(&command->audit.frames, inputs, 2);
   StyStatus status = require_output(options);
   if (status) return status;
   const char *dot = strrchr(options->output, '.');
   if (!dot || (strcasecmp(dot, ".html") != 0 && strcasecmp(dot, ".htm") != 0))
     return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found %s, expected a name ending in .html",
                     options->output);
-  return protect_inputs(options, options->output, inputs, 2 + command->audit.frames.count);
+  return protect_inputs(options, options->output, inputs, count);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {

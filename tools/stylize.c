@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "inputs.h"
 #include "options.h"
+#include "passes.h"
 #include "stylut/image_io.h"
 #include "stylut/match.h"
 #include "stylut/pack.h"
@@ -155,35 +156,6 @@ static StyStatus fill_frame(Work *work, const StyImage *image, StyError *error) 
   return STY_OK;
 }
 
-enum { TILE = 64 };
-
-static StyRect get_tile(const StyFrame *frame, long i) {
-  const int across = (frame->width + TILE - 1) / TILE;
-  const int x = (int)(i % across) * TILE, y = (int)(i / across) * TILE;
-  return (StyRect){x, y, x + TILE < frame->width ? x + TILE : frame->width,
-                   y + TILE < frame->height ? y + TILE : frame->height};
-}
-
-static StyStatus explain(StyRuntimeStatus status, StyError *error) {
-  return status ? sty_fail(error, STY_ERROR_LIBRARY, "runtime: %s", sty_describe_runtime_status(status)) : STY_OK;
-}
-
-static StyStatus transfer_tile(void *context, long i, StyError *error) {
-  const Work *work = context;
-  return explain(sty_transfer_frame(work->bundle, &work->frame, get_tile(&work->frame, i), work->matches), error);
-}
-
-static StyStatus blend_tile(void *context, long i, StyError *error) {
-  const Work *work = context;
-  return explain(
-      sty_blend_frame(work->bundle, &work->frame, get_tile(&work->frame, i), work->matches, work->bits, work->picture),
-      error);
-}
-
-static long count_tiles(const StyFrame *frame) {
-  return (long)((frame->width + TILE - 1) / TILE) * ((frame->height + TILE - 1) / TILE);
-}
-
 /* ---- what is written ---- */
 
 static StyStatus draw_rgba(const Work *work, int bits, float (*get)(const Work *work, size_t pixel, int channel),
@@ -304,11 +276,11 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
 static StyStatus stylize(const Arguments *arguments, Work *work, Account *account, StyError *error) {
   StyRun run = begin_progress(&arguments->options, "transfer");
   const double start = sty_get_milliseconds();
-  StyStatus status = sty_parallel_for(&run, count_tiles(&work->frame), transfer_tile, work, error);
+  StyStatus status = transfer_frame(work->bundle, &work->frame, work->matches, &run, error);
   const double transferred = sty_get_milliseconds();
   end_progress(&arguments->options);
   run = begin_progress(&arguments->options, "blend");
-  if (!status) status = sty_parallel_for(&run, count_tiles(&work->frame), blend_tile, work, error);
+  if (!status) status = blend_frame(work->bundle, &work->frame, work->matches, work->bits, work->picture, &run, error);
   end_progress(&arguments->options);
   account->times[2] = transferred - start;
   account->times[3] = sty_get_milliseconds() - transferred;

@@ -67,6 +67,9 @@ StyStatus sty_hash_file(const char *path, char out[STY_HASH_SIZE], StyError *err
 char *sty_join_path(const char *folder, const char *name);
 char *sty_get_folder(const char *path);
 
+/* What follows the last slash, within `path`; all of it where nothing does. */
+const char *sty_get_base_name(const char *path);
+
 #ifdef __cplusplus
 }
 #endif

@@ -364,11 +364,9 @@ StyStatus sty_audit_lookup(const StyLut *lut, const StyImage *guide, const StyAu
 
 StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, const StyAuditOptions *options,
                         const StyRun *run, StyAudit *out, StyAuditMaps *maps, StyError *error) {
-  const double source_side = guide->width > guide->height ? guide->width : guide->height;
-  const double table_side = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
   StyAudit audit = {.spec = lut->spec,
                     .weights = options->weights,
-                    .jump = options->jump > 0 ? options->jump : 4 * source_side / table_side,
+                    .jump = options->jump > 0 ? options->jump : sty_get_jump(&lut->spec, guide->width, guide->height),
                     .precision = options->precision > 0 ? options->precision : sty_get_precision(guide),
                     .tolerance = options->tolerance};
   StyAuditMaps planes = {0};

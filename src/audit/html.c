@@ -58,14 +58,11 @@ static void write_json(FILE *stream, const char *json) {
       fputc(*c, stream);
 }
 
-static const char *get_base_name(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash && slash[1] ? slash + 1 : path;
-}
-
 /* ---- the parts ----------------------------------------------------------------- */
 
-static void write_title(const Page *page) { write_foreign(page->stream, get_base_name(page->report->files[0].name)); }
+static void write_title(const Page *page) {
+  write_foreign(page->stream, sty_get_base_name(page->report->files[0].name));
+}
 
 static void write_table_name(const Page *page) { write_foreign(page->stream, page->report->files[0].name); }
 static void write_guide_name(const Page *page) { write_foreign(page->stream, page->report->files[1].name); }

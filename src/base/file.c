@@ -180,3 +180,8 @@ char *sty_get_folder(const char *path) {
   if (!slash) return strdup(".");
   return strndup(path, slash == path ? 1 : (size_t)(slash - path));
 }
+
+const char *sty_get_base_name(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash && slash[1] ? slash + 1 : path;
+}

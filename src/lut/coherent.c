@@ -360,9 +360,7 @@ static void close_fusion(Fusion *f) {
 static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
   const StyLut *lut = choice->lut;
   const size_t texels = sty_count_texels(&lut->spec);
-  const int source = lut->source_width > lut->source_height ? lut->source_width : lut->source_height;
-  const int table = lut->spec.width > lut->spec.height ? lut->spec.width : lut->spec.height;
-  const double jump = 4 * source > table ? 4.0 * source / table : 1;
+  const double jump = fmax(sty_get_jump(&lut->spec, lut->source_width, lut->source_height), 1);
   const size_t longest = (size_t)(2 * jump);
   *f = (Fusion){.choice = choice,
                 .farthest = (int64_t)(jump * jump),

@@ -38,6 +38,10 @@ StyStatus sty_answer_values(const StySites *sites, const StyEngine *engine, cons
                             StyMetric metric, const float *values, size_t count, const StyRun *run, StyLut **out,
                             StyError *error);
 
+/* Where neighbouring texels' source pixels are farther apart than so many pixels,
+ * they are said to jump: four times as far as on a sphere. */
+double sty_get_jump(const StyLutSpec *spec, int source_width, int source_height);
+
 /* ---- the one distance that all exact engines agree on ------------------------- */
 
 /* How distances are measured for a guide and a table. In integers, texels and

@@ -116,6 +116,12 @@ void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]) {
   g[2] = get_axis_value(lut, 2, k);
 }
 
+double sty_get_jump(const StyLutSpec *spec, int source_width, int source_height) {
+  const double source = source_width > source_height ? source_width : source_height;
+  const double table = spec->width > spec->height ? spec->width : spec->height;
+  return 4 * source / table;
+}
+
 bool sty_is_feasible(const StyLutSpec *spec, int i, int j) {
   float place[2];
   get_place(spec, i, j, place);

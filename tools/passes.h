@@ -1,0 +1,14 @@
+/* The runtime's two passes over a whole frame, on all threads of a run. */
+#ifndef STYLUT_TOOLS_PASSES_H
+#define STYLUT_TOOLS_PASSES_H
+
+#include "stylut/parallel.h"
+#include "stylut/runtime.h"
+
+/* As sty_transfer_frame and sty_blend_frame for one rectangle (see runtime.h). */
+StyStatus transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyMatch *matches, const StyRun *run,
+                         StyError *error);
+StyStatus blend_frame(const StyBundle *bundle, const StyFrame *frame, const StyMatch *matches, int bits, void *picture,
+                      const StyRun *run, StyError *error);
+
+#endif
