@@ -98,6 +98,7 @@ static bool measure_choice(const StyNear *near, const float *at, double least, d
     *out = scratch->last;
     return true;
   }
+  sty_sort_near_list(&scratch->list);
   if (pieces->capacity < list->count) {
     Stretch *grown = realloc(pieces->stretches, list->count * sizeof *grown);
     if (!grown) return false;

@@ -123,11 +123,6 @@ static bool append_run(StyNearList *list, size_t count, uint32_t run) {
   return true;
 }
 
-static int compare_sites(const void *a, const void *b) {
-  const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-  return (x > y) - (x < y);
-}
-
 /* The sites of the list's runs. */
 static bool list_sites(const StyNear *near, StyNearList *list) {
   size_t count = 0;
@@ -140,7 +135,6 @@ static bool list_sites(const StyNear *near, StyNearList *list) {
   for (size_t r = 0; r < list->run_count; r++)
     for (uint32_t o = near->runs[list->runs[r]]; o < near->runs[list->runs[r] + 1]; o++)
       list->sites[list->count++] = near->order[o];
-  if (list->run_count > 1) qsort(list->sites, list->count, sizeof *list->sites, compare_sites);
   return true;
 }
 
@@ -171,6 +165,15 @@ bool sty_list_near(const StyNear *near, const float *at, double radius, StyNearL
   list->found = spare;
   list->run_count = count;
   return list_sites(near, list);
+}
+
+static int compare_sites(const void *a, const void *b) {
+  const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+  return (x > y) - (x < y);
+}
+
+void sty_sort_near_list(StyNearList *list) {
+  if (list->run_count > 1) qsort(list->sites, list->count, sizeof *list->sites, compare_sites);
 }
 
 void sty_free_near_list(StyNearList *list) {

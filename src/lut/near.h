@@ -32,8 +32,11 @@ typedef struct StyNearList {
 } StyNearList;
 
 /* Replaces the list, which is zero at first, by the sites within `radius` of `at` (its
- * dims coordinates), in ascending order. False: memory is short. */
+ * dims coordinates), value by value. False: memory is short. */
 bool sty_list_near(const StyNear *near, const float *at, double radius, StyNearList *list);
+
+/* Puts the list's sites in ascending order; those of a single value are. */
+void sty_sort_near_list(StyNearList *list);
 void sty_free_near_list(StyNearList *list);
 
 #endif

@@ -44,9 +44,10 @@ static double measure(const StySites *sites, int dims, size_t site, const float 
   return sum;
 }
 
-/* Every site within the radius, no other, in ascending order; how many. */
+/* Every site within the radius, no other, in ascending order once sorted; how many. */
 static size_t expect_list(const StyNear *near, const float at[3], double radius, StyNearList *list, const char *what) {
   assert_true(sty_list_near(near, at, radius, list));
+  sty_sort_near_list(list);
   size_t found = 0;
   for (size_t s = 0; s < near->sites->count; s++) {
     if (!(measure(near->sites, near->dims, s, at) <= radius * radius)) continue;
@@ -113,6 +114,7 @@ static void test_by_hand(void **state) {
   assert_int_equal(list.count, 0);
   assert_true(sty_list_near(&near, middle, 10, &list));
   assert_int_equal(list.count, 5);
+  sty_sort_near_list(&list);
   for (uint32_t s = 0; s < 5; s++) assert_int_equal(list.sites[s], s);
   sty_close_near(&near);
   sty_free_near_list(&list);
