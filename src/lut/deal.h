@@ -20,6 +20,6 @@ int sty_count_parts(const StyRun *run, size_t count);
 /* Turns counts, part after part of `buckets` each, into where each part's items
  * of a bucket begin when all are sorted by bucket and, within one, stay in their
  * order. `first` has room for buckets + 1 and receives where each bucket begins. */
-void sty_sum_counts(uint32_t *counts, int parts, size_t buckets, uint32_t *first);
+void sty_sum_counts(uint32_t *counts, int parts, size_t buckets, uint32_t *first, const StyRun *run);
 
 #endif

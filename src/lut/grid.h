@@ -3,6 +3,7 @@
  *   transform.c  8-bit guides: an exact distance transform in integers
  *   grid.c       other guides: the plain inside of a dense guide in cells, what
  *                is exposed, crowded or hangs free in a tree
+ *   cells.c      those cells
  *   tree.c       that tree: a packed R-tree in Hilbert order
  *   deal.c       what both sort with, on several threads
  *   search.c     answers blocks of texels from cells and tree */
@@ -50,7 +51,7 @@ typedef struct StyTree {
 StyStatus sty_plant_tree(int dims, StySpot *spots, size_t count, const StyRun *run, StyTree *out, StyError *error);
 void sty_fell_tree(StyTree *tree);
 
-/* ---- search.c ----------------------------------------------------------------- */
+/* ---- cells.c ------------------------------------------------------------------ */
 
 /* Square cells over the plane, row after row from (x0, y0). */
 typedef struct StyCells {
@@ -61,6 +62,21 @@ typedef struct StyCells {
   int32_t *pixels;
   double reach; /* a point in here serves no texel farther away than this */
 } StyCells;
+
+/* Whether the guide deserves cells, and if so, where they lie. */
+bool sty_lay_out_cells(const StySites *sites, const StyRun *run, StyCells *cells);
+
+/* Plain points into the cells, the others to *spots, both by ascending pixel. The
+ * caller frees both, after an error too. */
+StyStatus sty_sort_into_cells(const StySites *sites, StyCells *cells, StySpot **spots, size_t *spot_count,
+                              const StyRun *run, StyError *error);
+
+/* Of points at one place only the lowest pixel stays; returns how many remain. */
+size_t sty_drop_cell_duplicates(StyCells *cells, const StyRun *run);
+
+void sty_free_cells(StyCells *cells);
+
+/* ---- search.c ----------------------------------------------------------------- */
 
 /* Fills the table from both; cells may be empty (columns 0). Which of the
  * processor's vector units are used does not change a byte. */

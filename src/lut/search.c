@@ -1,5 +1,7 @@
 #include "lut/search.h"
 
+#include <stdlib.h>
+
 #include "base/processor.h"
 
 typedef void AnswerBlocks(const StySearchJob *job, int j0);
@@ -27,8 +29,30 @@ static StyStatus answer_row(void *context, long row, StyError *error) {
   return STY_OK;
 }
 
+/* What a table's columns and rows ask for, in one block of memory. */
+static float *list_places(const StyLutSpec *spec) {
+  float *places = malloc(((size_t)spec->width + (size_t)spec->height) * sizeof *places);
+  float g[2];
+  for (int i = 0; places && i < spec->width; i++) {
+    sty_get_texel_value(spec, i, 0, g);
+    places[i] = g[0];
+  }
+  for (int j = 0; places && j < spec->height; j++) {
+    sty_get_texel_value(spec, 0, j, g);
+    places[spec->width + j] = g[1];
+  }
+  return places;
+}
+
 StyStatus sty_search_blocks(const StyCells *cells, const StyTree *tree, const StyMeasure *measure, StyLut *lut,
                             const StyRun *run, StyError *error) {
-  Work work = {{cells, tree, measure, lut}, choose_unit()};
-  return sty_parallel_for(run, (lut->spec.height + STY_BLOCK_SIDE - 1) / STY_BLOCK_SIDE, answer_row, &work, error);
+  const StyLutSpec *spec = &lut->spec;
+  const bool share = !lut->asked && spec->map == STY_MAP_XY;
+  float *places = share ? list_places(spec) : NULL;
+  if (share && !places) return sty_fail_memory(error, "engine grid", ((double)spec->width + spec->height) * 4);
+  Work work = {{cells, tree, measure, lut, places, share ? places + spec->width : NULL}, choose_unit()};
+  const StyStatus status =
+      sty_parallel_for(run, (spec->height + STY_BLOCK_SIDE - 1) / STY_BLOCK_SIDE, answer_row, &work, error);
+  free(places);
+  return status;
 }

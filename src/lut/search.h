@@ -11,6 +11,7 @@ typedef struct StySearchJob {
   const StyTree *tree;
   const StyMeasure *measure;
   StyLut *lut;
+  const float *columns, *rows; /* what texels of each ask for, x and y; NULL where those don't share it */
 } StySearchJob;
 
 /* Fills table rows j0 to j0 + STY_BLOCK_SIDE - 1. */

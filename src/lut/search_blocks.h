@@ -49,10 +49,27 @@ INLINE Ints spread_int(int32_t value) { return value - (Ints){0}; }
 INLINE Ints select_ints(Ints mask, Ints yes, Ints no) { return (mask & yes) | (~mask & no); }
 INLINE Floats select_floats(Ints mask, Floats yes, Floats no) { return (Floats)select_ints(mask, (Ints)yes, (Ints)no); }
 INLINE Floats pick_larger(Floats a, Floats b) { return select_floats(a > b, a, b); }
+INLINE Floats pick_smaller(Floats a, Floats b) { return select_floats(a < b, a, b); }
 
 enum { SIDE = STY_BLOCK_SIDE, LANES = SIDE * SIDE };
 
 enum { STACK = (STY_FAN - 1) * STY_TREE_LEVELS + 1 };
+
+INLINE float find_least(const float lanes[LANES]) {
+  Floats least = load_floats(lanes);
+  for (int l = WIDTH; l < LANES; l += WIDTH) least = pick_smaller(least, load_floats(lanes + l));
+  float smallest = least[0];
+  for (int l = 1; l < WIDTH; l++) smallest = least[l] < smallest ? least[l] : smallest;
+  return smallest;
+}
+
+INLINE float find_most(const float lanes[LANES]) {
+  Floats most = load_floats(lanes);
+  for (int l = WIDTH; l < LANES; l += WIDTH) most = pick_larger(most, load_floats(lanes + l));
+  float largest = most[0];
+  for (int l = 1; l < WIDTH; l++) largest = most[l] > largest ? most[l] : largest;
+  return largest;
+}
 
 /* A block's texels and the best found for each so far. */
 typedef struct Block {
@@ -89,35 +106,54 @@ static Window get_window(const StyCells *cells, const Block *block, double radiu
   return w;
 }
 
-static void set_block(int dims, const StySearchJob *job, int i0, int j0, Block *block) {
-  const StyLutSpec *spec = &job->lut->spec;
+/* Texel l of the block asks for the value of the table's (i, j); beyond the table's edge for the last one's. */
+INLINE void set_lane(int dims, const StySearchJob *job, int i, int j, Block *block, int l) {
+  float g[2], at[3];
+  if (job->columns) {
+    g[0] = job->columns[i];
+    g[1] = job->rows[j];
+  } else {
+    sty_get_asked_value(job->lut, 2, i, j, g);
+  }
+  sty_lift(dims, g, at);
+  for (int k = 0; k < dims; k++) block->at[k][l] = at[k];
+}
+
+INLINE void set_block(int dims, const StySearchJob *job, int i0, int j0, Block *block) {
+  const int last_column = job->lut->spec.width - 1, last_row = job->lut->spec.height - 1;
+  if (dims == 2 && job->columns && i0 + SIDE - 1 <= last_column && j0 + SIDE - 1 <= last_row) {
+    for (int row = 0; row < SIDE; row++) {
+      memcpy(block->at[0] + row * SIDE, job->columns + i0, SIDE * sizeof(float));
+      for (int l = 0; l < SIDE; l++) block->at[1][row * SIDE + l] = job->rows[j0 + row];
+    }
+  } else {
+    for (int l = 0; l < LANES; l++) {
+      const int i = i0 + l % SIDE, j = j0 + l / SIDE;
+      set_lane(dims, job, i < last_column ? i : last_column, j < last_row ? j : last_row, block, l);
+    }
+  }
   for (int k = 0; k < dims; k++) {
-    block->low[k] = INFINITY;
-    block->high[k] = -INFINITY;
+    block->low[k] = find_least(block->at[k]);
+    block->high[k] = find_most(block->at[k]);
   }
   for (int l = 0; l < LANES; l++) {
-    /* Beyond the table's edge the last texel is asked for again. */
-    const int i = i0 + l % SIDE, j = j0 + l / SIDE;
-    float g[2], at[3];
-    sty_get_asked_value(job->lut, 2, i < spec->width ? i : spec->width - 1, j < spec->height ? j : spec->height - 1, g);
-    sty_lift(dims, g, at);
-    for (int k = 0; k < dims; k++) {
-      block->at[k][l] = at[k];
-      block->low[k] = at[k] < block->low[k] ? at[k] : block->low[k];
-      block->high[k] = at[k] > block->high[k] ? at[k] : block->high[k];
-    }
     block->best[l] = INFINITY;
     block->pixels[l] = INT32_MAX;
   }
 }
 
+/* As sty_set_texel does it: the unit of what isn't measured in integers is 1. */
 static void write_block(const StySearchJob *job, int i0, int j0, const Block *block) {
   const StyLutSpec *spec = &job->lut->spec;
-  for (int l = 0; l < LANES; l++) {
-    const int i = i0 + l % SIDE, j = j0 + l / SIDE;
-    if (i < spec->width && j < spec->height)
-      sty_set_texel(job->lut, job->measure, (size_t)j * (size_t)spec->width + (size_t)i, (uint32_t)block->pixels[l],
-                    (double)block->best[l]);
+  float errors[LANES];
+  for (int l = 0; l < LANES; l++) errors[l] = sqrtf(block->best[l]);
+  const int columns = spec->width - i0 < SIDE ? spec->width - i0 : SIDE;
+  for (int row = 0; row < SIDE && j0 + row < spec->height; row++) {
+    const size_t texel = (size_t)(j0 + row) * (size_t)spec->width + (size_t)i0;
+    for (int i = 0; i < columns; i++) {
+      job->lut->pixels[texel + (size_t)i] = (uint32_t)block->pixels[row * SIDE + i];
+      job->lut->errors[texel + (size_t)i] = errors[row * SIDE + i];
+    }
   }
 }
 
@@ -166,13 +202,7 @@ INLINE void test_points(int dims, Block *block, float *const at[3], const int32_
 
 #else
 
-INLINE float find_worst(const Block *block) {
-  Floats worst = load_floats(block->best);
-  for (int l = WIDTH; l < LANES; l += WIDTH) worst = pick_larger(worst, load_floats(block->best + l));
-  float largest = worst[0];
-  for (int l = 1; l < WIDTH; l++) largest = worst[l] > largest ? worst[l] : largest;
-  return largest;
-}
+INLINE float find_worst(const Block *block) { return find_most(block->best); }
 
 INLINE bool concerns_lanes(int dims, const Block *block, const StyTreeLevel *level, size_t number) {
   Ints any = {0};

@@ -178,7 +178,7 @@ static StyStatus order_spots(StySpot *spots, StySpot *spare, size_t *count, cons
   const bool complete = d.cell && d.counts && d.first;
   if (complete) {
     sty_split_items(run, *count, d.parts, count_spots, &d);
-    sty_sum_counts(d.counts, d.parts, d.cells, d.first);
+    sty_sum_counts(d.counts, d.parts, d.cells, d.first, run);
     sty_split_items(run, *count, d.parts, move_spots, &d);
   }
   free(d.cell);
