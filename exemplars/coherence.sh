@@ -191,3 +191,15 @@ jumps: share of neighbouring texels on pixels far apart. moved: share of the cov
 than 64 pixels away from one frame to the next. piece: mean size, pixels, of the piece a pixel belongs to, and its ratio
 to that of the nearest. build_ms: one thread, median of $runs; flann_ratio: over FLANN's for the exact table.
 END
+awk -F, '
+  function expect(what, found, sign, aim) {
+    if (found == "" || (sign == "<" ? found <= aim : found >= aim)) return
+    printf "coherence: below aim: %s, %s: found %s of %s, expected at %s %s\n", $1, $2, found, what,
+      sign == "<" ? "most" : "least", aim
+  }
+  $2 == "coherent" && $1 == "golem.001" { expect("jumps", $3, "<", 0.055) }
+  $2 == "coherent" && $1 == "golem.045" { expect("jumps", $3, "<", 0.045); expect("moved", $4, "<", 0.07) }
+  $2 == "coherent" && $1 !~ /slowly/ { expect("piece_ratio", $6, ">", 1) }
+  $2 == "frames" && $1 !~ /slowly/ { expect("piece_ratio", $6, ">", 1.2) }
+  NR > 2 && $2 != "nearest" { expect("flann_ratio", $8, "<", 10) }
+' "$csv" >&2

@@ -18,8 +18,8 @@ static const struct argp_option options_table[] = {
      "a value is covered when a source pixel lies within so many 8-bit levels (default: 4)", 0},
     {"guide", KEY_GUIDE, "FILE", 0, "the guide the table was made for", 0},
     {"as", KEY_AS, "KIND", 0,
-     "how to read a table of another tool: unity (StyleBlitUnity: 8-bit, y up), rg8, rg16, rg8x2 (default: as the "
-     "file says)",
+     "how to read a table: stylut, as the file says, or as one of another tool: unity (StyleBlitUnity: 8-bit, y up), "
+     "rg8, rg16, rg8x2 (default: stylut)",
      0},
     {"precision", KEY_PRECISION, "LEVELS", 0,
      "what the guide's values can be trusted to, in 8-bit levels: rules ambiguity and stability (default: one step of "
@@ -78,7 +78,8 @@ StyStatus open_table(const AuditCommand *command, AuditCase *out, StyError *erro
   StyStatus status = read_guide(audit->guide, &out->guide, error);
   if (!status) {
     const StyLutHints hints = {out->guide->width, out->guide->height, -1, (StyForeign)audit->foreign};
-    status = read_lut(audit->lut, &hints, &out->lut, error);
+    warn_about_normals(&command->options, audit->guide, out->guide);
+    status = read_lut_of_guide(&command->options, audit->lut, audit->guide, &hints, &out->lut, error);
     if (status) sty_fail(error, status, "%s (its guide being %s)", error->text, audit->guide);
   }
   if (!status) status = read_frames(&audit->frames, out->frames, error);

@@ -206,38 +206,56 @@ static void write_row(FILE *stream, const char *guide, const StyChartPoint *poin
           flags[point->places[STY_PANEL_TIME]], flags[point->places[STY_PANEL_BYTES]]);
 }
 
-/* What the table says of its making. */
-static StyStatus write_history(const Arguments *arguments, FILE *stream, StyError *error) {
-  char hash[STY_HASH_SIZE];
+/* What pictures and tables say of their making, one printable line; the caller
+ * frees it. NULL in *out: they are to say nothing. */
+static StyStatus describe_making(const Arguments *arguments, char **out, StyError *error) {
+  const Frames *frames = &arguments->frames;
+  *out = NULL;
   if (arguments->options.no_history) return STY_OK;
   json_t *line = get_command_line(&arguments->options, "chart");
   json_t *plain = line ? make_plain_text(json_string_value(line)) : NULL;
-  StyStatus status = sty_hash_file(arguments->guide, hash, error);
-  if (!status && !plain) status = sty_fail_memory(error, "history", 0);
-  if (!status) fprintf(stream, "# %s; guide of SHA-256 %s\n", json_string_value(plain), hash);
+  char hash[STY_HASH_SIZE], *text = NULL;
+  StyStatus status = plain ? sty_hash_file(arguments->guide, hash, error) : sty_fail_memory(error, "history", 0);
+  if (!status &&
+      asprintf(&text, "%s; version " STY_VERSION "; guide of SHA-256 %s", json_string_value(plain), hash) < 0)
+    status = sty_fail_memory(error, "history", 0);
+  for (int f = 0; !status && f < frames->count; f++) {
+    char *longer = NULL;
+    status = sty_hash_file(frames->files[f], hash, error);
+    if (!status && asprintf(&longer, "%s%s %s", text, f ? "" : "; frames of", hash) < 0)
+      status = sty_fail_memory(error, "history", 0);
+    if (status) break;
+    free(text);
+    text = longer;
+  }
   json_decref(line);
   json_decref(plain);
+  if (status)
+    free(text);
+  else
+    *out = text;
   return status;
 }
 
-static StyStatus write_table(const Arguments *arguments, const StyChart *chart, FILE *stream, StyError *error) {
+static StyStatus write_table(const Arguments *arguments, const char *making, const StyChart *chart, FILE *stream,
+                             StyError *error) {
   char machine[MACHINE_SIZE];
   json_t *guide = make_plain_text(arguments->guide);
   if (!guide) return sty_fail_memory(error, "chart", 0);
   fprintf(stream, "# %s\n", format_machine(machine));
-  const StyStatus status = write_history(arguments, stream, error);
+  if (making) fprintf(stream, "# %s\n", making);
   fprintf(stream,
           "guide,engine,parameters,metric,map,size,encoding,bytes,time_ms,runs,lookup_mean,lookup_p99,lookup_max,"
           "pareto_time,pareto_bytes\n");
   for (int p = 0; p < chart->count; p++) write_row(stream, json_string_value(guide), &chart->points[p]);
   json_decref(guide);
-  return status;
+  return STY_OK;
 }
 
 /* ---- files ------------------------------------------------------------------------- */
 
-static StyStatus draw_picture(const Arguments *arguments, const StyImage *guide, const StyChart *chart, FILE *stream,
-                              StyError *error) {
+static StyStatus draw_picture(const Arguments *arguments, const char *making, const StyImage *guide,
+                              const StyChart *chart, FILE *stream, StyError *error) {
   json_t *name = make_plain_text(sty_get_base_name(arguments->guide));
   char *title = NULL;
   if (!name || asprintf(&title, "%s: %d x %d pixels, %s%s; numbers are texels a side", json_string_value(name),
@@ -249,26 +267,28 @@ static StyStatus draw_picture(const Arguments *arguments, const StyImage *guide,
     title = NULL;
   json_decref(name);
   if (!title) return sty_fail_memory(error, "chart", 0);
-  const Plot plot = {title, chart, arguments->options.threads, arguments->format};
+  const Plot plot = {title, making, chart, arguments->options.threads, arguments->format};
   const StyStatus status = draw_plot(&plot, stream, error);
   free(title);
   return status;
 }
 
-/* Picture and table appear together, or neither. */
+/* Neither appears before both are written whole. */
 static StyStatus write_files(const Arguments *arguments, const StyImage *guide, const StyChart *chart,
                              StyError *error) {
   StyOutput picture = {NULL, NULL, NULL}, table = {NULL, NULL, NULL};
-  StyStatus status = STY_OK;
-  if (arguments->options.output) status = sty_open_output(arguments->options.output, &picture, error);
+  char *making = NULL;
+  StyStatus status = describe_making(arguments, &making, error);
+  if (!status && arguments->options.output) status = sty_open_output(arguments->options.output, &picture, error);
   if (!status && arguments->csv) status = sty_open_output(arguments->csv, &table, error);
-  if (!status && picture.stream) status = draw_picture(arguments, guide, chart, picture.stream, error);
-  if (!status && table.stream) status = write_table(arguments, chart, table.stream, error);
+  if (!status && picture.stream) status = draw_picture(arguments, making, guide, chart, picture.stream, error);
+  if (!status && table.stream) status = write_table(arguments, making, chart, table.stream, error);
   if (!status && table.stream) status = sty_flush_output(&table, error);
   if (!status && picture.stream) status = sty_commit_output(&picture, error);
   if (!status && table.stream) status = sty_commit_output(&table, error);
   sty_discard_output(&picture);
   sty_discard_output(&table);
+  free(making);
   return status;
 }
 
@@ -341,6 +361,7 @@ typedef struct Subject {
 
 static StyStatus open_subject(const Arguments *arguments, Subject *out, StyError *error) {
   StyStatus status = read_guide(arguments->guide, &out->guide, error);
+  if (!status) warn_about_normals(&arguments->options, arguments->guide, out->guide);
   if (!status) status = sty_collect_sites(arguments->guide, out->guide, &out->sites, error);
   if (!status) status = read_frames(&arguments->frames, out->frames, error);
   return status;

@@ -101,6 +101,9 @@ static StyStatus print_audit(const Arguments *arguments, const StyAudit *audit, 
   print_figures("lookup", &audit->lookup);
   print_figures("excess", &audit->excess);
   printf("%-11s %.2f %% of the texels hold the nearest pixel\n", "optimal", 100 * audit->optimal);
+  if (audit->slack > 0)
+    printf("%-11s %.4g levels of choice beyond the nearest; %zu texels take more\n", "slack", audit->slack / STY_LEVEL,
+           audit->beyond_slack);
   printf("%-11s %.2f %% of the domain within %g levels\n", "coverage", 100 * audit->coverage,
          audit->tolerance / STY_LEVEL);
   printf("%-11s source pixels by number of texels:", "usage");

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "stylut/file.h"
 #include "stylut/image_io.h"
 
 StyStatus read_guide(const char *path, StyImage **out, StyError *error) {
@@ -13,6 +14,21 @@ StyStatus read_guide(const char *path, StyImage **out, StyError *error) {
   else
     *out = image;
   return status;
+}
+
+void warn_about_normals(const Options *options, const char *path, const StyImage *guide) {
+  static const float rim = 1.05f, most = 0.25f;
+  const float *covered = sty_find_channel(guide, "A");
+  const float *x = sty_find_channel(guide, "normal.X"), *y = sty_find_channel(guide, "normal.Y");
+  size_t count = 0, beyond = 0;
+  for (size_t p = 0; p < sty_count_pixels(guide); p++) {
+    if (!(covered[p] > 0)) continue;
+    count++;
+    beyond += !(x[p] * x[p] + y[p] * y[p] <= rim * rim);
+  }
+  if ((float)beyond > most * (float)count)
+    warn(options, "%s: found normals longer than 1 in %.0f %% of the covered pixels, expected unit normals",
+         clean_text(path), 100.0 * (double)beyond / (double)count);
 }
 
 /* A picture's normals and coverage may stand in other channels than a guide's. */
@@ -40,6 +56,9 @@ StyStatus read_features(const char *path, const StyFeature *features, int count,
 StyStatus add_frame(Frames *frames, const char *file, StyError *error) {
   if (frames->count == MOST_FRAMES)
     return sty_fail(error, STY_ERROR_USAGE, "--frames: found more than %d files, expected at most that", MOST_FRAMES);
+  /* "--frames -o OUT" would take -o for a frame. */
+  if (file[0] == '-')
+    return sty_fail(error, STY_ERROR_USAGE, "--frames: found '%s', expected a file; ./%s if it is one", file, file);
   frames->files[frames->count++] = file;
   return STY_OK;
 }
@@ -63,12 +82,11 @@ void destroy_frames(StyImage *frames[MOST_FRAMES]) {
   for (int f = 0; f < MOST_FRAMES; f++) sty_destroy_image(&frames[f]);
 }
 
-StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error) {
-  StyImage *image = NULL;
-  StyStatus status = sty_read_image(path, &image, error);
+static StyStatus read_table(const char *path, const StyLutHints *hints, StyImage **image, StyLut **out,
+                            StyError *error) {
   StyLut *lut = NULL;
-  if (!status) status = sty_decode_lut(path, image, hints, &lut, error);
-  sty_destroy_image(&image);
+  StyStatus status = sty_read_image(path, image, error);
+  if (!status) status = sty_decode_lut(path, *image, hints, &lut, error);
   if (!status && lut->depth)
     status = sty_fail(error, STY_ERROR_INPUT, "%s: found a table of three dimensions (%s, %s, %s), expected a flat one",
                       path, lut->axes[0].channel, lut->axes[1].channel, lut->axes[2].channel);
@@ -76,5 +94,27 @@ StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, Sty
     sty_destroy_lut(&lut);
   else
     *out = lut;
+  return status;
+}
+
+StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error) {
+  StyImage *image = NULL;
+  const StyStatus status = read_table(path, hints, &image, out, error);
+  sty_destroy_image(&image);
+  return status;
+}
+
+StyStatus read_lut_of_guide(const Options *options, const char *path, const char *guide, const StyLutHints *hints,
+                            StyLut **out, StyError *error) {
+  StyImage *image = NULL;
+  char hash[STY_HASH_SIZE];
+  StyStatus status = read_table(path, hints, &image, out, error);
+  const char *origin = status ? NULL : sty_find_attribute(image, "stylut:input1");
+  if (origin) status = sty_hash_file(guide, hash, error);
+  if (!status && origin && strcmp(origin, hash) != 0)
+    warn(options, "%s: found that it was made of another file (sha256 %.12s...), expected %s (%.12s...)",
+         clean_text(path), clean_text(origin), clean_text(guide), hash);
+  sty_destroy_image(&image);
+  if (status) sty_destroy_lut(out);
   return status;
 }

@@ -9,6 +9,10 @@
 /* Reads a file and turns it into a guide with A and normal.* (see guide.h). */
 StyStatus read_guide(const char *path, StyImage **out, StyError *error);
 
+/* Warns where many normals lie outside the disc even in x and y: what was given is
+ * then hardly a guide (a painting, say), or one of another convention. */
+void warn_about_normals(const Options *options, const char *path, const StyImage *guide);
+
 /* Reads a guide for the sake of these channels: as the file has them, or, where it
  * lacks coverage or normals that are asked for, as read_guide finds them. */
 StyStatus read_features(const char *path, const StyFeature *features, int count, StyImage **out, StyError *error);
@@ -37,5 +41,9 @@ void destroy_frames(StyImage *frames[MOST_FRAMES]);
 
 /* Reads a flat table; `hints` say what the file may leave out. */
 StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error);
+
+/* Reads the table of this guide and warns where it says that it was made of another. */
+StyStatus read_lut_of_guide(const Options *options, const char *path, const char *guide, const StyLutHints *hints,
+                            StyLut **out, StyError *error);
 
 #endif

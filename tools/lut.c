@@ -154,8 +154,10 @@ static StyStatus check_arguments(Arguments *arguments) {
   const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
   const int count = append_frames(&arguments->frames, inputs, 1);
   if (arguments->size == DEFAULT_SIZE) arguments->size = arguments->feature_count ? 64 : 256;
-  arguments->engine = get_engine(&arguments->options, !arguments->feature_count);
-  StyStatus status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
+  StyStatus status = arguments->feature_count
+                         ? choose_engine(&arguments->options, STY_TASK_CUBE_OR_FIELD, 3, &arguments->engine)
+                         : choose_engine(&arguments->options, STY_TASK_TABLE, 2, &arguments->engine);
+  if (!status) status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
   if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
     status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
   if (!status && arguments->size != 0 && (arguments->max_p99 > 0 || arguments->map == MAP_ANY))
@@ -289,8 +291,10 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   }
   if (arguments->options.quiet) return STY_OK;
   char texels[64];
-  printf("%s: %s texels from %zu source pixels, %zu distinct values\n", clean_text(arguments->options.output),
-         name_sides(arguments, texels), account->points, account->unique);
+  char distinct[64] = "";
+  if (account->unique) snprintf(distinct, sizeof distinct, ", %zu distinct values", account->unique);
+  printf("%s: %s texels from %zu source pixels%s\n", clean_text(arguments->options.output),
+         name_sides(arguments, texels), account->points, distinct);
   if (arguments->feature_count)
     printf("engine %s; weighted distance to the nearest value: mean %.5f, max %.5f\n", arguments->engine->name,
            account->mean_error, account->max_error);
@@ -328,7 +332,7 @@ static const char *name_bytes(size_t bytes, char out[32]) {
   return out;
 }
 
-/* What was chosen, and what its neighbours would cost and buy. */
+/* What was chosen, or came nearest, and what its neighbours would cost and buy. */
 static void show_candidates(const StyCandidate *candidates, int count, int chosen) {
   for (int c = 0; c < count; c++) {
     if (c < chosen - SHOWN || c > chosen + SHOWN) continue;
@@ -355,6 +359,7 @@ static StyStatus choose_spec(Arguments *arguments, const Inputs *inputs, StyLutS
     int best = 0;
     for (int c = 1; c < count; c++)
       if (candidates[c].lookup.p99 < candidates[best].lookup.p99) best = c;
+    if (!arguments->options.quiet && !arguments->options.json) show_candidates(candidates, count, best);
     return sty_fail(error, STY_CHECK_FAILED,
                     "--max-p99: found %.4g degrees at best (%s, size %d), expected at most %.4g",
                     candidates[best].lookup.p99, sty_map_names[candidates[best].spec.map], candidates[best].spec.width,
@@ -428,6 +433,7 @@ static StyStatus build(const Arguments *arguments, const Inputs *inputs, const S
 static StyStatus open_inputs(const Arguments *arguments, Inputs *out, Account *account, StyError *error) {
   const double start = sty_get_milliseconds();
   StyStatus status = read_source(arguments, &out->guide, error);
+  if (!status && !arguments->feature_count) warn_about_normals(&arguments->options, arguments->guide, out->guide);
   if (!status) status = read_frames(&arguments->frames, out->frames, error);
   const double read = sty_get_milliseconds();
   if (!status) status = collect(arguments, out->guide, &out->sites, error);

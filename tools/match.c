@@ -171,7 +171,9 @@ static StyStatus run(Arguments *arguments) {
   StyStatus status = read_guides(arguments, &account.sites, &target, error);
   account.times[0] = sty_get_milliseconds() - start;
   if (!status) {
-    account.engine = get_engine(&arguments->options, false);
+    status = choose_engine(&arguments->options, STY_TASK_CUBE_OR_FIELD, account.sites->dims, &account.engine);
+  }
+  if (!status) {
     status = arguments->options.dry_run
                  ? report_dry_run(&arguments->options, "%dx%d pixels by %d channels with engine %s", target->width,
                                   target->height, account.sites->dims, account.engine->name)

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <errno.h>
+#include <libgen.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -153,8 +154,19 @@ static const struct argp_option engine_options[] = {
 
 const struct argp engine_argp = {.options = engine_options, .parser = parse_engine};
 
-const StyEngine *get_engine(const Options *options, bool flat) {
-  return options->engine ? options->engine : sty_get_fastest_engine(flat);
+StyStatus choose_engine(Options *options, StyTask task, int dims, const StyEngine **out) {
+  const StyEngine *engine = options->engine ? options->engine : sty_get_fastest_engine(task, dims);
+  const bool forest = strcmp(engine->name, "flann-forest") == 0, tuned = strcmp(engine->name, "flann-auto") == 0;
+  const StyEngineOptions *given = &options->engine_options, *usual = &sty_default_engine_options;
+  const char *useless = !forest && given->trees != usual->trees          ? "trees"
+                        : !forest && given->checks != usual->checks      ? "checks"
+                        : !tuned && given->precision != usual->precision ? "precision"
+                                                                         : NULL;
+  if (useless)
+    return sty_fail(&options->error, STY_ERROR_USAGE, "--%s: found with engine %s, which doesn't heed it, expected %s",
+                    useless, engine->name, strcmp(useless, "precision") == 0 ? "flann-auto" : "flann-forest");
+  *out = engine;
+  return STY_OK;
 }
 
 /* ---- parsing ---- */
@@ -278,9 +290,23 @@ StyStatus require_argument(Options *options, const char *argument, const char *e
   return argument ? STY_OK : sty_fail(&options->error, STY_ERROR_USAGE, "found no argument, expected %s", expected);
 }
 
+/* Before the work rather than after it. */
+static StyStatus require_folder(const char *path, StyError *error) {
+  char *copy = strdup(path);
+  if (!copy) return sty_fail_memory(error, path, (double)strlen(path));
+  struct stat info;
+  const int failed = stat(dirname(copy), &info) != 0 ? errno : S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
+  free(copy);
+  return failed ? sty_fail(error, STY_ERROR_FILE,
+                           "%s: cannot write: %s; expected a folder that exists and can be written to", path,
+                           strerror(failed))
+                : STY_OK;
+}
+
 StyStatus require_output(Options *options) {
-  if (options->output) return STY_OK;
-  return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");
+  if (!options->output)
+    return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");
+  return *options->output ? require_folder(options->output, &options->error) : STY_OK;
 }
 
 StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count) {
@@ -291,6 +317,16 @@ StyStatus protect_inputs(Options *options, const char *output, const char *const
       return sty_fail(&options->error, STY_ERROR_USAGE,
                       "option '--output': found %s, which is an input, expected another name", output);
   return STY_OK;
+}
+
+void warn(const Options *options, const char *format, ...) {
+  if (options->quiet) return;
+  va_list arguments;
+  va_start(arguments, format);
+  fputs("stylut: warning: ", stderr);
+  vfprintf(stderr, format, arguments);
+  fputc('\n', stderr);
+  va_end(arguments);
 }
 
 StyStatus finish_command(Options *options, StyStatus status) {

@@ -54,14 +54,18 @@ StyStatus take_argument(Options *options, const char **slot, const char *text);
 /* The argument must have been given; `expected` says what it is. */
 StyStatus require_argument(Options *options, const char *argument, const char *expected);
 
-/* "-o FILE is missing" for commands that write. */
+/* For commands that write: -o must be given, and name a place in a folder that is there. */
 StyStatus require_output(Options *options);
 
-/* The engine that was asked for, else the fastest exact one (see sty_get_fastest_engine). */
-const StyEngine *get_engine(const Options *options, bool flat);
+/* The engine that was asked for, else the fastest exact one (see
+ * sty_get_fastest_engine); options that it doesn't heed are an error. */
+StyStatus choose_engine(Options *options, StyTask task, int dims, const StyEngine **out);
 
 /* Refuses to write over what is read. Inputs may be NULL. */
 StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count);
+
+/* Prints a line about what is most likely a mistake, unless --quiet was given. */
+void warn(const Options *options, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Prints the line for a failed command and frees what Options hold. */
 StyStatus finish_command(Options *options, StyStatus status);

@@ -90,12 +90,13 @@ static StyStatus read_bytes(const char *path, uint8_t **bytes, int *width, int *
 }
 
 /* The source guide of a style: the sphere that fills the exemplar, or a file. */
-static StyStatus get_guide(const StyManifest *manifest, const StyManifestStyle *style, int width, int height,
-                           StyImage **out, StyError *error) {
+static StyStatus get_guide(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
+                           int width, int height, StyImage **out, StyError *error) {
   if (strcmp(style->guide, "sphere") == 0) return sty_make_sphere_guide(width, height, STY_GUIDE_NORMAL, out, error);
   char *path = sty_join_path(manifest->folder, style->guide);
   if (!path) return sty_fail_memory(error, style->guide, 0);
   StyStatus status = read_guide(path, out, error);
+  if (!status) warn_about_normals(&arguments->options, path, *out);
   if (!status && ((*out)->width != width || (*out)->height != height)) {
     status = sty_fail(error, STY_ERROR_INPUT,
                       "style '%s': found exemplar %s of %dx%d and guide %s of %dx%d pixels, expected one size",
@@ -187,7 +188,7 @@ static StyStatus prepare_source(const Arguments *arguments, const StyManifest *m
   StyImage *guide = NULL;
   StyLut *lut = NULL;
   const size_t pixels = (size_t)textures->width * (size_t)textures->height;
-  StyStatus status = get_guide(manifest, style, textures->width, textures->height, &guide, error);
+  StyStatus status = get_guide(arguments, manifest, style, textures->width, textures->height, &guide, error);
   if (!status) uncover_unpainted(textures->exemplar, guide);
   if (!status) status = get_lut(arguments, manifest, style, guide, &lut, error);
   if (!status) {

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 /* What is off an axis stands so far inside it. */
 static const double edge = 1.1;
@@ -365,6 +366,43 @@ static void write_script(FILE *script, const Plot *plot) {
   fprintf(script, "unset multiplot\n");
 }
 
+/* ---- what the file says of its making ---------------------------------------------------- */
+
+/* Behind the picture, where XML allows instructions. */
+static void append_svg_text(FILE *picture, const char *text) {
+  fseek(picture, 0, SEEK_END);
+  fputs("<?stylut ", picture);
+  for (const char *c = text; *c; c++) fputc(c[0] == '?' && c[1] == '>' ? '_' : *c, picture);
+  fputs("?>\n", picture);
+}
+
+static void put_big_endian(unsigned char out[4], uint32_t number) {
+  for (int b = 0; b < 4; b++) out[b] = (unsigned char)(number >> (24 - 8 * b));
+}
+
+/* A text chunk behind the first one, which is of 25 bytes after a mark of 8 (PNG
+ * specification, 4.2.3). False: no memory. */
+static bool insert_png_text(FILE *picture, const char *text) {
+  enum { HEAD = 8 + 25 };
+  static const char key[] = "tEXtstylut:command";
+  const size_t size = sizeof key + strlen(text); /* with the zero that ends the keyword */
+  fseek(picture, 0, SEEK_END);
+  const long end = ftell(picture), rest = end - HEAD;
+  if (rest < 0) return true; /* no picture at all: not for here to say */
+  unsigned char *chunk = malloc(4 + size + 4 + (size_t)rest);
+  if (!chunk) return false;
+  put_big_endian(chunk, (uint32_t)size - 4);
+  memcpy(chunk + 4, key, sizeof key);
+  memcpy(chunk + 4 + sizeof key, text, size - sizeof key);
+  put_big_endian(chunk + 4 + size, (uint32_t)crc32(0, chunk + 4, (uInt)size));
+  fseek(picture, HEAD, SEEK_SET);
+  const size_t there = fread(chunk + 4 + size + 4, 1, (size_t)rest, picture);
+  fseek(picture, HEAD, SEEK_SET);
+  fwrite(chunk, 1, 4 + size + 4 + there, picture);
+  free(chunk);
+  return true;
+}
+
 StyStatus draw_plot(const Plot *plot, FILE *picture, StyError *error) {
   FILE *script = tmpfile(), *said = tmpfile();
   StyStatus status = STY_OK;
@@ -373,6 +411,9 @@ StyStatus draw_plot(const Plot *plot, FILE *picture, StyError *error) {
         sty_fail(error, STY_ERROR_FILE, "temporary file: cannot create: %s; expected a folder for it", strerror(errno));
   if (!status) write_script(script, plot);
   if (!status) status = run_script(script, picture, said, error);
+  if (!status && plot->making && plot->format == PLOT_SVG) append_svg_text(picture, plot->making);
+  if (!status && plot->making && plot->format == PLOT_PNG && !insert_png_text(picture, plot->making))
+    status = sty_fail_memory(error, "chart", (double)strlen(plot->making));
   if (script) fclose(script);
   if (said) fclose(said);
   return status;

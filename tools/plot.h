@@ -9,7 +9,8 @@
 typedef enum PlotFormat { PLOT_SVG, PLOT_PNG } PlotFormat;
 
 typedef struct Plot {
-  const char *title; /* UTF-8 */
+  const char *title;  /* UTF-8 */
+  const char *making; /* what the file says of it, one printable line, or NULL */
   const StyChart *chart;
   int threads; /* the times are of */
   PlotFormat format;

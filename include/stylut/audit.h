@@ -63,6 +63,8 @@ typedef struct StyAudit {
   double jump, precision, tolerance; /* as used */
   size_t feasible;                   /* texels; for STY_WEIGHT_FRAMES those that are asked for */
   size_t background;     /* of these, those that point at a source pixel that isn't covered (180 degrees each) */
+  double slack;          /* guide units: the table's own (see lut.h); 0: it is meant to hold the nearest */
+  size_t beyond_slack;   /* of these texels, where there is a slack, those whose pixel is farther than it allows */
   StyFigures assignment; /* at the values the texels answer for */
   /* For guide values in between: each texel's square is asked for 4 x 4 values
    * spread over it (2 x 2 in tables beyond 1024), those inside the disc, also

@@ -126,10 +126,11 @@ typedef struct StyLut {
   size_t unique;                   /* distinct source values that were searched; 0 where not known */
   uint32_t *pixels;                /* per texel, row-major: index of the source pixel, y*source_width + x */
   float *errors;                   /* per texel: distance to that pixel's value by the metric */
-  int depth;                       /* 0: a flat table; of a cube its slices, as many as it is wide */
-  StyFeature axes[3];              /* of a cube */
-  const float *asked;              /* NULL; while an engine is asked, values in place of the texels' own */
-  size_t asked_count;              /* of them; texels beyond stand for the last */
+  double slack;       /* guide units: how much farther than the nearest its pixels may be; 0: none is */
+  int depth;          /* 0: a flat table; of a cube its slices, as many as it is wide */
+  StyFeature axes[3]; /* of a cube */
+  const float *asked; /* NULL; while an engine is asked, values in place of the texels' own */
+  size_t asked_count; /* of them; texels beyond stand for the last */
 } StyLut;
 
 /* An empty table, all zero. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
@@ -180,9 +181,10 @@ extern const StyEngine sty_engines[];
 /* By name; "auto" takes the fastest exact one for flat tables. STY_ERROR_USAGE lists the names. */
 StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error);
 
-/* The fastest exact engine: for flat tables, or for cubes and fields (match.h),
- * whose values lie less densely, or in no order. */
-const StyEngine *sty_get_fastest_engine(bool flat);
+/* The fastest exact engine of this build: for flat tables, which `grid` is made for,
+ * or for cubes and fields (match.h) of so many dimensions. */
+typedef enum StyTask { STY_TASK_TABLE, STY_TASK_CUBE_OR_FIELD } StyTask;
+const StyEngine *sty_get_fastest_engine(StyTask task, int dims);
 
 /* Builds a table from sites of two dimensions; the caller owns it. `options` may
  * be NULL: the defaults. STY_ERROR_UNAVAILABLE: an engine that this build goes

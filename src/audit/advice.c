@@ -60,19 +60,31 @@ static bool is_torn(const StyAudit *audit) { return audit->jumps > torn && can_t
 
 static bool weighs_frames(const StyReport *report) { return report->audit->weights == STY_WEIGHT_FRAMES; }
 
+/* Chosen with slack, and within it: what it errs more than an exact table is as asked for. */
+static bool is_as_chosen(const StyAudit *audit) {
+  return audit->slack > 0 && !audit->beyond_slack && !audit->background;
+}
+
 /* ---- the verdict --------------------------------------------------------------- */
 
-static void judge_exact(const StyReport *report, StyOpinion *out) {
+/* Of tables that hold what they are meant to: exact ones, and those chosen within a slack. */
+static void judge_sound(const StyReport *report, StyOpinion *out) {
   const StyAudit *audit = report->audit;
   const char *but = "";
   if (audit->coverage < bare)
     but = ", but the guide lacks directions";
-  else if (is_ambiguous(audit))
+  else if (is_exact(audit) && is_ambiguous(audit))
     but = ", but the guide is ambiguous";
   else if (is_torn(audit))
     but = ", but neighbours lie far apart";
   out->judgement = *but ? STY_JUDGED_FAIR : STY_JUDGED_GOOD;
-  snprintf(out->headline, sizeof out->headline, "Exact: every texel holds the nearest pixel%s.", but);
+  if (is_exact(audit))
+    snprintf(out->headline, sizeof out->headline, "Exact: every texel holds the nearest pixel%s.", but);
+  else
+    snprintf(out->headline, sizeof out->headline,
+             "Chosen: every texel holds a pixel within the slack of %.3g levels, %.2f degrees more than the nearest on "
+             "average%s.",
+             audit->slack / STY_LEVEL, audit->excess.mean, but);
 }
 
 static void judge_inexact(const StyReport *report, StyOpinion *out) {
@@ -109,7 +121,7 @@ static void give_reason(const StyReport *report, StyOpinion *out) {
   const ShareText ambiguous = say_share(audit->ambiguous), jumps = say_share(audit->jumps);
   snprintf(out->reason, sizeof out->reason,
            "Half of the %s are answered within %.2f degrees, 99 %% within %.2f; the worst is %.1f off. "
-           "Several places on the guide fit equally well for %s of the texels; %s of neighbouring texels lie far "
+           "Places far apart on the guide fit equally well for %s of the texels; %s of neighbouring texels lie far "
            "apart on it.",
            weighs_frames(report) ? "frames' pixels" : "directions", lookup->p50, lookup->p99, lookup->max,
            ambiguous.text, jumps.text);
@@ -124,7 +136,10 @@ static void advise_on_errors(const StyReport *report, const StyFacts *facts, Sty
            "%zu texel%s at the background of the guide, where nothing is painted: what asks for it comes out empty. "
            "Build the table anew with stylut lut.",
            audit->background, audit->background == 1 ? " points" : "s point");
-  if (is_exact(audit)) return;
+  if (is_exact(audit) || is_as_chosen(audit)) return;
+  if (audit->beyond_slack)
+    advise(out, "%zu texel%s a pixel beyond the slack of %.3g levels that the table was made with.",
+           audit->beyond_slack, audit->beyond_slack == 1 ? " holds" : "s hold", audit->slack / STY_LEVEL);
   if (facts->lost_to_bytes)
     advise(out,
            "The table names only pixels that 8 bits a coordinate can name, of a source of %d x %d: it went through rg8 "
@@ -142,7 +157,7 @@ static double list_lacking(const StyReport *report, const StyFacts *facts, char 
   double demand = 0;
   size_t used = 0;
   *text = 0;
-  for (int n = 0; n < MOST_NAMED_SECTORS; n++) {
+  for (int n = 0; n <= MOST_NAMED_SECTORS; n++) {
     int best = -1;
     for (int s = 0; s < STY_SECTORS; s++) {
       const StySector *sector = &facts->sectors[s];
@@ -150,6 +165,10 @@ static double list_lacking(const StyReport *report, const StyFacts *facts, char 
       if (best < 0 || sector->demand > facts->sectors[best].demand) best = s;
     }
     if (best < 0) break;
+    if (n == MOST_NAMED_SECTORS) {
+      snprintf(text + used, LIST_SIZE - used, " and others");
+      break;
+    }
     named[best] = true;
     demand += facts->sectors[best].demand;
     used += (size_t)snprintf(text + used, LIST_SIZE - used, "%s%s", used ? ", " : "", sty_sector_names[best]);
@@ -176,12 +195,11 @@ static void advise_on_coverage(const StyReport *report, const StyFacts *facts, S
 
 static void advise_on_guide(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
-  if (is_ambiguous(audit))
+  if (is_ambiguous(audit) && !(is_as_chosen(audit) && audit->jumps <= much))
     advise(out,
-           "The guide is ambiguous: for %s of the texels the pixels that fit equally well lie in several places, "
-           "on average %.0f pixels from their middle. Chance decides between them, and copied pieces get small: build "
-           "with "
-           "--resolve coherent, so that neighbours choose alike.",
+           "The guide is ambiguous: for %s of the texels the pixels that fit equally well lie in several places or far "
+           "apart, on average %.0f pixels from their middle. Chance decides between them, and copied pieces get small: "
+           "build with --resolve coherent, so that neighbours choose alike.",
            say_share(audit->ambiguous).text, facts->spread);
   else if (audit->jumps > much && can_tear(audit))
     advise(out,
@@ -190,8 +208,8 @@ static void advise_on_guide(const StyReport *report, const StyFacts *facts, StyO
            say_share(audit->jumps).text, audit->jump);
   if (audit->unstable > much && report->guide->bits < 32)
     advise(out,
-           "%s of the texels go elsewhere when the guide is disturbed by its own %d-bit rounding. A guide with float "
-           "normals (EXR) decides firmly.",
+           "%s of the texels go elsewhere when the guide is disturbed by its own %d-bit rounding. Float normals "
+           "(EXR) decide firmly where frames have them, too.",
            say_share(audit->unstable).text, report->guide->bits);
 }
 
@@ -234,8 +252,8 @@ static void advise_on_encoding(const StyFacts *facts, StyOpinion *out) {
 
 void sty_form_opinion(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   *out = (StyOpinion){0};
-  if (is_exact(report->audit))
-    judge_exact(report, out);
+  if (is_exact(report->audit) || is_as_chosen(report->audit))
+    judge_sound(report, out);
   else
     judge_inexact(report, out);
   give_reason(report, out);

@@ -135,6 +135,20 @@ static bool is_optimal(const Case *c, size_t texel, const float g[2]) {
   return squared[0] <= squared[1] * (1 + 1e-5) + 1e-12;
 }
 
+/* Guide units, by the metric. */
+static double measure_distance(const Case *c, uint32_t pixel, const float g[2]) {
+  if (!(c->guide.covered[pixel] > 0)) return INFINITY;
+  if (c->lut->spec.metric == STY_METRIC_ANGLE)
+    return 2 * sin(sty_measure_pixel(&c->guide, pixel, g) * (M_PI / 360)); /* the chord */
+  return hypot((double)g[0] - c->guide.x[pixel], (double)g[1] - c->guide.y[pixel]);
+}
+
+static bool is_beyond_slack(const Case *c, size_t texel, const float g[2]) {
+  const double slack = c->audit->slack, margin = 1e-6; /* distances come from floats */
+  return slack > 0 && measure_distance(c, c->lut->pixels[texel], g) >
+                          measure_distance(c, c->exact->pixels[texel], g) + slack + margin;
+}
+
 static void measure_texel(const Case *c, int i, int j, StyTally *assignment, StyTally *excess) {
   const StyLutSpec *spec = &c->lut->spec;
   const int at[2] = {i, j};
@@ -152,6 +166,7 @@ static void measure_texel(const Case *c, int i, int j, StyTally *assignment, Sty
   c->maps->assignment[texel] = (float)angle;
   c->maps->excess[texel] = (float)above;
   c->audit->background += !(c->guide.covered[pixel] > 0);
+  c->audit->beyond_slack += is_beyond_slack(c, texel, g);
   c->audit->optimal += optimal ? weight : 0;
   c->audit->coverage += (double)c->exact->errors[texel] <= c->audit->tolerance ? weight : 0;
 }
@@ -368,7 +383,8 @@ StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *
                     .weights = options->weights,
                     .jump = options->jump > 0 ? options->jump : sty_get_jump(&lut->spec, guide->width, guide->height),
                     .precision = options->precision > 0 ? options->precision : sty_get_precision(guide),
-                    .tolerance = options->tolerance};
+                    .tolerance = options->tolerance,
+                    .slack = lut->slack};
   StyAuditMaps planes = {0};
   Case c = {.lut = lut, .exact = exact, .options = options, .audit = &audit, .maps = &planes};
   StyStatus status = sty_find_planes(guide, &c.guide, error);

@@ -21,10 +21,11 @@ static json_t *format_usage(const StyAudit *audit) {
 
 char *sty_format_audit(const StyAudit *audit) {
   const StyLutSpec *spec = &audit->spec;
-  json_t *root = json_pack("{s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I}", "schema", "stylut-audit/1", "size", spec->width,
-                           "sampling", sty_sampling_names[spec->sampling], "map", sty_map_names[spec->map], "metric",
-                           sty_metric_names[spec->metric], "weights", sty_weights_names[audit->weights], "feasible",
-                           (json_int_t)audit->feasible, "background", (json_int_t)audit->background);
+  json_t *root = json_pack("{s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:I}", "schema", "stylut-audit/1", "size",
+                           spec->width, "sampling", sty_sampling_names[spec->sampling], "map", sty_map_names[spec->map],
+                           "metric", sty_metric_names[spec->metric], "weights", sty_weights_names[audit->weights],
+                           "feasible", (json_int_t)audit->feasible, "background", (json_int_t)audit->background,
+                           "slack", audit->slack, "beyond_slack", (json_int_t)audit->beyond_slack);
   json_t *figures =
       json_pack("{s:o, s:o, s:o, s:f, s:f, s:f, s:o, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "assignment",
                 format_figures(&audit->assignment), "lookup", format_figures(&audit->lookup), "excess",

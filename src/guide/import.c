@@ -89,9 +89,16 @@ static StyStatus copy_rest(const StyImage *image, StyImage *guide, StyError *err
   return status;
 }
 
+/* A table's coordinates would pass for normals. */
+static StyStatus refuse_kind(const char *name, const StyImage *image, StyError *error) {
+  const char *kind = sty_find_attribute(image, "stylut:kind");
+  return kind ? sty_fail(error, STY_ERROR_INPUT, "%s: found stylut:kind = %s, expected a guide", name, kind) : STY_OK;
+}
+
 StyStatus sty_import_guide(const char *name, StyImage **image, StyError *error) {
   Source source;
-  StyStatus status = find_source(name, *image, &source, error);
+  StyStatus status = refuse_kind(name, *image, error);
+  if (status == STY_OK) status = find_source(name, *image, &source, error);
   if (status != STY_OK) return status;
   const char *names[BASE_COUNT + STY_MAX_CHANNELS] = {"A", "normal.X", "normal.Y", "normal.Z"};
   int count = BASE_COUNT;

@@ -45,6 +45,9 @@ static StyStatus describe_lut(const StyLut *lut, StyEncoding encoding, StyImage 
   StyStatus status = STY_OK;
   for (size_t i = 0; !status && i < sizeof pairs / sizeof *pairs; i++)
     status = sty_set_attribute(image, pairs[i][0], pairs[i][1], error);
+  char slack[32];
+  snprintf(slack, sizeof slack, "%.9g", lut->slack);
+  if (!status && lut->slack > 0) status = sty_set_attribute(image, "stylut:slack", slack, error);
   return status || !lut->depth ? status : describe_cube(lut, image, error);
 }
 
@@ -216,6 +219,13 @@ static StyStatus create_lut(const char *name, const StyImage *image, const Kind 
   return status;
 }
 
+static StyStatus read_slack(const char *name, const StyImage *image, double *out, StyError *error) {
+  const char *text = sty_find_attribute(image, "stylut:slack");
+  if (!text || !sty_parse_number("stylut:slack", text, 0, STY_MAX_GUIDE_VALUE, out, NULL)) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found stylut:slack = %s, expected a number of 0 to %g", name, text,
+                  (double)STY_MAX_GUIDE_VALUE);
+}
+
 /* The source coordinate of a float texel, or -1. */
 static long unpack_float(float u, int side) {
   if (!(u >= 0 && u <= 1)) return -1;
@@ -270,7 +280,7 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
     complete = complete && planes[c];
   }
   if (!complete)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected a %s LUT", name, image->bits,
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected an %s LUT", name, image->bits,
                     image->names[0], sty_encoding_names[kind.encoding]);
   StyLut *lut = NULL;
   status = read_choice(name, image, "stylut:map", sty_map_names, &kind.map, error);
@@ -279,9 +289,10 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
   if (status) return status;
   const float *errors = is_float ? sty_find_channel(image, float_names[2]) : NULL;
   if (errors) memcpy(lut->errors, errors, sty_count_pixels(image) * sizeof *errors);
-  if (is_float)
+  status = read_slack(name, image, &lut->slack, error);
+  if (!status && is_float)
     status = decode_floats(name, planes[0], planes[1], lut, error);
-  else
+  else if (!status)
     decode_integers(planes, kind.encoding, facts.foreign == STY_FOREIGN_UNITY, lut);
   if (status)
     sty_destroy_lut(&lut);

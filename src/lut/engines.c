@@ -28,14 +28,22 @@ static const StyEngine *find_named(const char *name) {
   return engine;
 }
 
-const StyEngine *sty_get_fastest_engine(bool flat) { return find_named(flat ? "grid" : "flann-single"); }
+const StyEngine *sty_get_fastest_engine(StyTask task, int dims) {
+#ifdef STY_WITH_CGAL
+  const char *const general = dims == 2 || dims == 3 ? "cgal" : "flann-single";
+#else
+  (void)dims;
+  const char *const general = "flann-single";
+#endif
+  return find_named(task == STY_TASK_TABLE ? "grid" : general);
+}
 
 StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error) {
   const char *names[sizeof sty_engines / sizeof *sty_engines + 1] = {"auto"};
   for (int i = 0; sty_engines[i].name; i++) names[i + 1] = sty_engines[i].name;
   int choice;
   const StyStatus status = sty_parse_choice(what, name, names, &choice, error);
-  if (!status) *out = choice ? &sty_engines[choice - 1] : sty_get_fastest_engine(true);
+  if (!status) *out = choice ? &sty_engines[choice - 1] : sty_get_fastest_engine(STY_TASK_TABLE, 2);
   return status;
 }
 

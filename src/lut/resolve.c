@@ -31,8 +31,9 @@ static void set_texels(StyChoice *choice, const StyMeasure *measure, double slac
       StyQuery query;
       sty_make_query(measure, choice->lut, i, j, &query);
       memcpy(choice->places + (size_t)choice->dims * t, query.at, (size_t)choice->dims * sizeof(float));
-      /* The margin is for rounding: never beyond the slack. */
-      const double limit = (double)choice->lut->errors[t] + slack * (1 - 1e-6);
+      /* The margin is for rounding, which near 1 is more than a small slack's: never beyond the slack. */
+      const double least = (double)choice->lut->errors[t];
+      const double limit = least + fmax(0, slack - (least + slack) * 4e-7);
       choice->limits[t] = (float)(limit * limit);
       choice->live[t] = get_life(spec, i, j);
       const int pixel = (int)choice->lut->pixels[t], width = choice->lut->source_width;
@@ -156,13 +157,15 @@ static StyStatus choose_favourites(StyChoice *choice, const StySites *sites, dou
 
 /* ---- the whole ---------------------------------------------------------------- */
 
-/* Puts the choices into the table; pixels that stayed keep their errors as they are. */
-static void write_choices(const StyChoice *choice, const uint32_t *chosen) {
+/* Puts the choices into the table; pixels that stayed keep their errors as they are,
+ * and a table of nothing else is still that of the nearest. */
+static void write_choices(const StyChoice *choice, const uint32_t *chosen, double slack) {
   StyLut *lut = choice->lut;
   for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) {
     const uint32_t pixel =
         (uint32_t)sty_get_y(chosen[t]) * (uint32_t)lut->source_width + (uint32_t)sty_get_x(chosen[t]);
     if (lut->pixels[t] == pixel) continue;
+    lut->slack = slack;
     lut->pixels[t] = pixel;
     lut->errors[t] = sqrtf(sty_measure_option(choice, (int)t, chosen[t]));
   }
@@ -175,6 +178,9 @@ StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOp
   if (!options->guide || options->guide->width != lut->source_width || options->guide->height != lut->source_height)
     return sty_fail(error, STY_ERROR_INPUT,
                     "LUT: found no guide or one of another size, expected the one it is made of");
+  if (options->frame_count >= STY_NO_FRAME)
+    return sty_fail(error, STY_ERROR_USAGE, "LUT: found %d frames to serve, expected fewer than %d",
+                    options->frame_count, STY_NO_FRAME);
   StyChoice choice;
   StyServe serve = {0};
   StyStatus status = open_choice(lut, sites, options->slack, &choice, error);
@@ -186,7 +192,8 @@ StyStatus sty_resolve_lut(StyLut *lut, const StySites *sites, const StyResolveOp
   choice.serve = &serve;
   if (!status && has_frames) status = choose_favourites(&choice, sites, options->slack, run, error);
   if (!status && options->coherent) status = sty_make_coherent(&choice, run, error);
-  if (!status) write_choices(&choice, options->coherent || !has_frames ? choice.current : choice.favourites);
+  if (!status)
+    write_choices(&choice, options->coherent || !has_frames ? choice.current : choice.favourites, options->slack);
   sty_close_serve(&serve);
   close_choice(&choice);
   return status;

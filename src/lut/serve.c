@@ -89,11 +89,14 @@ static StyStatus find_askers(const StyLut *lut, const StyImage *const *frames, S
         if (pass == 0 || texel == texels) continue;
         const uint64_t most = count[texel] < STY_MOST_ASKERS ? count[texel] : STY_MOST_ASKERS;
         StyAsker *slot = &serve->askers[texel][seen[texel]++ * most / count[texel]];
-        if (slot->frame < 0) *slot = (StyAsker){f, (int32_t)(p % width), (int32_t)(p / width)};
+        if (slot->frame == STY_NO_FRAME) *slot = (StyAsker){(uint16_t)f, (uint16_t)(p % width), (uint16_t)(p / width)};
       }
     }
+  size_t asking = 0;
+  for (size_t t = 0; t < texels; t++) asking += count[t];
   free(count);
-  return STY_OK;
+  return asking ? STY_OK
+                : sty_fail(error, STY_ERROR_INPUT, "found no covered pixel in the frames, expected one to serve");
 }
 
 /* Gives texel (i, j) the askers of a neighbour that had some before round r. */
@@ -166,7 +169,7 @@ static const uint8_t (*get_place(const StyPatch *patch, int x, int y))[4] {
 float sty_measure_service(const StyServe *serve, size_t texel, int x, int y) {
   const uint8_t(*const source)[4] = get_place(&serve->source, x, y);
   int squares = 0, count = 0;
-  for (; count < STY_MOST_ASKERS && serve->askers[texel][count].frame >= 0; count++) {
+  for (; count < STY_MOST_ASKERS && serve->askers[texel][count].frame != STY_NO_FRAME; count++) {
     const StyAsker *asker = &serve->askers[texel][count];
     const StyPatch *patch = &serve->frames[asker->frame];
     const uint8_t(*const frame)[4] = get_place(patch, asker->x, asker->y);

@@ -22,8 +22,9 @@ typedef struct StyPatch {
 
 /* A frame's pixel that asks for a texel. */
 typedef struct StyAsker {
-  int32_t frame, x, y; /* frame -1: none */
+  uint16_t frame, x, y; /* frame STY_NO_FRAME: none; memory counts, there are eight a texel */
 } StyAsker;
+enum { STY_NO_FRAME = 0xffff };
 
 enum { STY_MOST_ASKERS = 8 }; /* a texel, evenly chosen of all that there are */
 
@@ -39,7 +40,9 @@ StyStatus sty_open_serve(const StyLut *lut, const StyImage *guide, const StyImag
 void sty_close_serve(StyServe *serve);
 
 /* Whether frames ask for the texel, or for one so near that it borrows from it. */
-static inline bool sty_has_askers(const StyServe *serve, size_t texel) { return serve->askers[texel][0].frame >= 0; }
+static inline bool sty_has_askers(const StyServe *serve, size_t texel) {
+  return serve->askers[texel][0].frame != STY_NO_FRAME;
+}
 
 /* The mean size, pixels, of the pieces that source pixel (x, y) would make around
  * those that ask for the texel, at most STY_LARGEST_PIECE; 0 where nobody asks. */

@@ -37,7 +37,7 @@ expect_fronts() {
   accept chart sphere.exr -s 16,8 -e grid,flann-single,flann-forest,analytic --repeats 3 --csv c.csv
   expect_match said "$output" 'time   .*bytes  equal-area, angle, '
   expect_match 'first line' "$(sed -n 1p c.csv)" '^# .+, [0-9]+ cores?; stylut [0-9.]+; OpenImageIO [0-9.]+, '
-  expect 'second line' "$(sed -n 2p c.csv)" "# stylut chart --sizes=16,8 --engines=grid,flann-single,flann-forest,analytic --repeats=3 --csv=c.csv sphere.exr; guide of SHA-256 $(sha256sum <sphere.exr | cut -c 1-64)"
+  expect 'second line' "$(sed -n 2p c.csv)" "# stylut chart --sizes=16,8 --engines=grid,flann-single,flann-forest,analytic --repeats=3 --csv=c.csv sphere.exr; version $("$STYLUT" --version | sed -n "1s/.* //p"); guide of SHA-256 $(sha256sum <sphere.exr | cut -c 1-64)"
   expect header "$(sed -n 3p c.csv)" "$header"
   # Two sizes of: two maps, two metrics, four encodings by grid; the other engines, the forest of three kinds.
   expect rows "$(sed 1,3d c.csv | wc -l)" $((2 * (2 * 2 * 4 + 2 + 3)))
@@ -92,6 +92,7 @@ need_gnuplot() { command -v gnuplot >/dev/null || skip 'no gnuplot: nothing is d
   bring sphere.exr
   accept chart sphere.exr -s 8,16 --repeats 1 -o c.svg --csv c.csv
   expect_match 'first line' "$(head -n 1 c.svg)" '^<\?xml '
+  expect_match 'last line' "$(tail -n 1 c.svg)" "^<[?]stylut stylut chart .* sphere.exr; version [0-9.]+; guide of SHA-256 $(sha256sum <sphere.exr | cut -c 1-64)[?]>\$"
   if command -v xmllint >/dev/null; then xmllint --noout c.svg || complain 'c.svg is not well-formed'; fi
   local name
   for name in $(sed 1,3d c.csv | cut -d, -f 2 | sort -u) 'trees=1 checks=8' 'trees=8 checks=128' 'map xy, metric xy' 'map xy, metric angle' \
@@ -101,6 +102,9 @@ need_gnuplot() { command -v gnuplot >/dev/null || skip 'no gnuplot: nothing is d
   expect_less 'bytes of c.svg' "$(stat -c %s c.svg)" 300000
   accept chart sphere.exr -s 8 -e grid --repeats 1 -o c.PNG
   expect size "$(oiiotool --info c.PNG | grep -oE '[0-9]+ x +[0-9]+')" '1160 x  600'
+  expect_match 'what the PNG says' "$("$STYLUT" info c.PNG)" 'stylut:command = stylut chart .* sphere.exr; version [0-9.]+; guide of SHA-256 [0-9a-f]{64}'
+  accept chart sphere.exr -s 8 -e grid --repeats 1 --no-history -o silent.png
+  expect 'attributes of a PNG without history' "$("$STYLUT" info silent.png | grep -c stylut:)" 0
   # One table, and one whose errors are all 0: axes need a width.
   accept guide sphere -s 8 -o eight.exr
   accept chart eight.exr --frames eight.exr -s 8 -e grid --repeats 1 -o c.svg --csv c.csv

@@ -118,9 +118,10 @@ same_by_angle() {
   expect_less 'size of either map' "$(json - r.size <<<"$output")" "$size"
   # What can't be met is said.
   local status=0
-  output=$("$STYLUT" lut large.exr -s auto --max-p99 0.01 -o none.exr 2>&1) || status=$?
+  output=$("$STYLUT" lut large.exr -s auto --max-p99 0.01 -o none.exr 2>error.txt) || status=$?
   expect status $status 6
-  expect_match message "$output" '^stylut: error: --max-p99: found [0-9.]+ degrees at best .* expected at most 0.01$'
+  expect_match 'what came nearest' "$output" '[*] xy +[0-9]+: .* p99 [0-9.]+,'
+  expect_match message "$(cat error.txt)" '^stylut: error: --max-p99: found [0-9.]+ degrees at best .* expected at most 0.01$'
   [ ! -e none.exr ] || complain "none.exr was written"
   prove lut large.exr -s auto --max-p99 4 --frames large.exr large.exr -o framed.exr
   refuse 1 max-p99 lut large.exr -s auto -o none.exr

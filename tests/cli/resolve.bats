@@ -60,6 +60,14 @@ expect_slack() {
   expect_less 'jumps of the coherent table' "$(count_jumps coherent.exr)" "$(awk -v j="$(count_jumps nearest.exr)" 'BEGIN { print j / 5 }')"
   accept check coherent.exr --guide guide.png --max-jumps 0.15
   expect_slack nearest.exr coherent.exr 2
+  # The file says what it was made with, and audits hold it to that.
+  accept check coherent.exr --guide guide.png --format json
+  expect 'slack, texels beyond it' "$(json - '[(r.slack * 255 / 2).toFixed(4), r.beyond_slack, r.optimal < 1].join()' <<<"$output")" 2.0000,0,true
+  accept check nearest.exr --guide guide.png --format json
+  expect 'slack of the nearest' "$(json - '[r.slack, r.beyond_slack].join()' <<<"$output")" 0,0
+  accept report coherent.exr --guide guide.png -o r.html
+  expect_match verdict "$output" '^Chosen: every texel holds a pixel within the slack of 2 levels, [0-9.]+ degrees more'
+  ! grep -q 'An exact table of this guide would err' <<<"$output" || complain 'the report advises against what was asked for'
   # Here the first patches that are tried are a few texels each.
   accept lut coarse.png -s 128 --resolve coherent -o coarse.exr
   expect_less 'jumps of the coarse table' "$(count_jumps coarse.exr coarse.png)" 0.3

@@ -25,15 +25,33 @@ static float make_value(const Supply *values, size_t i, int bits, bool tame) {
 
 static void add_attributes(Supply *supply, StyImage *image) {
   static const char *const names[] = {"stylut:kind",     "stylut:encoding", "stylut:source",
-                                      "stylut:sampling", "stylut:map",      "stylut:metric"};
-  static const char *const values[] = {"lut",   "f32",        "rg16",  "rg8x2",  "rg8",
-                                       "16x16", "7x5",        "65536", "centre", "unorm8",
-                                       "xy",    "equal-area", "angle", "300x2",  "40000x30000"};
+                                      "stylut:sampling", "stylut:map",      "stylut:metric",
+                                      "stylut:depth",    "stylut:channels", "stylut:slack"};
+  static const char *const values[] = {"lut",
+                                       "f32",
+                                       "rg16",
+                                       "rg8x2",
+                                       "rg8",
+                                       "16x16",
+                                       "7x5",
+                                       "65536",
+                                       "centre",
+                                       "unorm8",
+                                       "xy",
+                                       "equal-area",
+                                       "angle",
+                                       "300x2",
+                                       "40000x30000",
+                                       "1",
+                                       "3",
+                                       "0.02",
+                                       "normal.X,normal.Y,luma.Y:0.5",
+                                       "a,b"};
   enum { NAMES = sizeof names / sizeof *names, VALUES = sizeof values / sizeof *values };
   for (unsigned count = take(supply) % 8; count; count--) {
     const char *name = names[take(supply) % NAMES];
     const unsigned choice = take(supply) % (VALUES + 1);
-    char text[16] = "";
+    char text[32] = "";
     if (choice == VALUES)
       for (size_t i = 0; i + 1 < sizeof text; i++) text[i] = (char)take(supply);
     require(sty_set_attribute(image, name, choice < VALUES ? values[choice] : text, NULL) == STY_OK);
@@ -44,7 +62,7 @@ static StyImage *take_image(Supply *supply, bool tame) {
   static const int precisions[] = {8, 16, 32};
   static const char *const channels[] = {"u", "v", "error", "R", "G", "B", "A", "Y"};
   const int width = 1 + (int)take(supply) % MOST_SIDE, longer = (int)take(supply);
-  const int height = longer % 4 ? width : 1 + longer % MOST_SIDE;
+  const int height = longer % 4 == 0 ? 1 + longer % MOST_SIDE : longer % 4 == 3 ? width * width : width;
   const int bits = precisions[take(supply) % 3];
   const int first = take(supply) % 2 ? 3 : 0, count = 1 + (int)take(supply) % 5;
   StyImage *image = NULL;
@@ -56,8 +74,8 @@ static StyImage *take_image(Supply *supply, bool tame) {
 }
 
 static bool is_same_table(const StyLut *a, const StyLut *b) {
-  return memcmp(&a->spec, &b->spec, sizeof a->spec) == 0 && a->source_width == b->source_width &&
-         a->source_height == b->source_height &&
+  return memcmp(&a->spec, &b->spec, sizeof a->spec) == 0 && a->depth == b->depth &&
+         a->source_width == b->source_width && a->source_height == b->source_height &&
          memcmp(a->pixels, b->pixels, sty_count_texels(&a->spec) * sizeof *a->pixels) == 0;
 }
 
@@ -71,7 +89,7 @@ static void check_encodings(const StyLut *lut) {
     StyError error;
     require(sty_encode_lut(lut, (StyEncoding)e, &image, &error) == STY_OK);
     const StyStatus status = sty_decode_lut("again", image, &(StyLutHints){0, 0, -1, STY_FOREIGN_NONE}, &read, &error);
-    if (lut->spec.width != lut->spec.height) {
+    if (!lut->depth && lut->spec.width != lut->spec.height) {
       require(status == STY_ERROR_INPUT);
     } else {
       require(status == STY_OK);
@@ -184,7 +202,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     const uint64_t pixels = (uint64_t)lut->source_width * (uint64_t)lut->source_height;
     for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) require(lut->pixels[t] < pixels);
     check_encodings(lut);
-    if (pixels <= MOST_SOURCE_PIXELS) use_table(lut, &supply);
+    if (!lut->depth && pixels <= MOST_SOURCE_PIXELS) use_table(lut, &supply);
   }
   sty_destroy_lut(&lut);
   sty_destroy_image(&image);

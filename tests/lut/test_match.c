@@ -194,7 +194,7 @@ static void test_self(void **state) {
   for (int trial = 0; trial < KINDS * DIM_COUNT; trial++) {
     StyImage *guide = make_guide((Kind)(trial % KINDS), DIMS[trial / KINDS], 30, 20, trial % 2, &random);
     StySites *sites = collect(guide);
-    StyField *field = try_match(sites, sty_get_fastest_engine(false), NULL, guide, 2);
+    StyField *field = try_match(sites, sty_get_fastest_engine(STY_TASK_CUBE_OR_FIELD, sites->dims), NULL, guide, 2);
     assert_non_null(field);
     const size_t count = sty_count_pixels(guide);
     for (size_t i = 0; i < count; i++) {

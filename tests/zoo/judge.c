@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "stylut/audit.h"
+#include "stylut/guide.h"
 
 void break_verdict(ZooVerdict *verdict, const char *format, ...) {
   if (verdict->outcome == ZOO_BROKEN) return;
@@ -239,18 +239,26 @@ typedef enum Resolve { COHERENT, FRAMES, BOTH } Resolve;
 
 static const char *const resolve_names[] = {"coherent", "frames", "both"};
 
-/* The frame to be served is the guide itself. */
+/* A frame as other guides see it: a small sphere. The tests' own, for good. */
+static const StyImage *get_sphere(void) {
+  static StyImage *sphere;
+  if (!sphere && sty_make_sphere_guide(48, 48, STY_GUIDE_NORMAL, &sphere, NULL)) abort();
+  return sphere;
+}
+
+/* The frames to be served are the guide itself and a sphere. */
 static void judge_slack(const StyImage *guide, const StySites *sites, const StyLut *base, Resolve resolve, double slack,
                         ZooVerdict *verdict) {
   char look[96];
   const size_t named = (size_t)snprintf(look, sizeof look, "%s, ", resolve_names[resolve]);
   name_look(&base->spec, look + named);
   StyError error = {STY_OK, ""};
+  const StyImage *const frames[] = {guide, get_sphere()};
   const StyResolveOptions options = {.slack = slack,
                                      .coherent = resolve != FRAMES,
                                      .guide = guide,
-                                     .frames = &guide,
-                                     .frame_count = resolve != COHERENT};
+                                     .frames = frames,
+                                     .frame_count = resolve != COHERENT ? 2 : 0};
   StyLut *lut = copy_lut(base);
   const StyStatus status = lut ? sty_resolve_lut(lut, sites, &options, NULL, &error) : STY_ERROR_LIBRARY;
   if (status) {
@@ -273,6 +281,37 @@ static void judge_slack(const StyImage *guide, const StySites *sites, const StyL
     verdict->after += after;
   }
   sty_destroy_lut(&lut);
+}
+
+/* ---- audits ------------------------------------------------------------------- */
+
+static void judge_share(double share, const char *name, const char *what, ZooVerdict *verdict) {
+  if (!(share >= 0 && share <= 1 + 1e-9)) break_verdict(verdict, "%s: %s is %g", what, name, share);
+}
+
+void judge_audit(const StyImage *guide, const StyLut *exact, StyWeights weights, ZooVerdict *verdict) {
+  char look[64], what[96];
+  snprintf(what, sizeof what, "audit by %s, %s", sty_weights_names[weights], name_look(&exact->spec, look));
+  StyError error = {STY_OK, ""};
+  StyAudit audit;
+  const StyImage *const frames[] = {get_sphere()};
+  const StyAuditOptions options = {.tolerance = 4 * STY_LEVEL, .weights = weights, .frames = frames, .frame_count = 1};
+  const StyStatus status = sty_audit_lut(exact, exact, guide, &options, NULL, &audit, NULL, &error);
+  if (status) {
+    break_verdict(verdict, "%s: status %d, %s", what, status, error.text);
+    return;
+  }
+  judge_share(audit.coverage, "coverage", what, verdict);
+  judge_share(audit.unused, "unused", what, verdict);
+  judge_share(audit.ambiguous, "ambiguous", what, verdict);
+  judge_share(audit.jumps, "jumps", what, verdict);
+  judge_share(audit.unstable, "unstable", what, verdict);
+  if (audit.optimal != 1 || audit.excess.max != 0 || audit.background)
+    break_verdict(verdict, "%s: optimal %g, excess up to %g, %zu texels on the background", what, audit.optimal,
+                  audit.excess.max, audit.background);
+  if (!(audit.lookup.p50 <= audit.lookup.p99 && audit.lookup.p99 <= audit.lookup.max && audit.lookup.max <= 180))
+    break_verdict(verdict, "%s: lookup p50 %g, p99 %g, max %g", what, audit.lookup.p50, audit.lookup.p99,
+                  audit.lookup.max);
 }
 
 void judge_resolve(const StyImage *guide, const StySites *sites, const StyLut *base, ZooVerdict *verdict) {

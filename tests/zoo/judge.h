@@ -4,6 +4,7 @@
 #define STYLUT_TESTS_ZOO_JUDGE_H
 
 #include "lut/engine.h"
+#include "stylut/audit.h"
 
 typedef enum ZooOutcome {
   ZOO_NOTHING,     /* not judged yet */
@@ -53,9 +54,12 @@ void judge_engine(const StyImage *guide, const StySites *sites, const StyEngine 
                   ZooVerdict *verdict);
 
 /* Tables resolved from `base`, every way, for a slack of two levels and for none, the
- * guide being the frame to serve: no texel beyond the slack, and with `coherent`
- * alone no more jumps than before. */
+ * guide and a sphere being the frames to serve: no texel beyond the slack, and with
+ * `coherent` alone no more jumps than before. */
 void judge_resolve(const StyImage *guide, const StySites *sites, const StyLut *base, ZooVerdict *verdict);
+
+/* The audit of brute force's table: figures that can be, no excess. */
+void judge_audit(const StyImage *guide, const StyLut *exact, StyWeights weights, ZooVerdict *verdict);
 
 /* A guide that is to be refused: by one line with `part` in it. */
 void judge_refusal(const StyImage *guide, const char *part, ZooVerdict *verdict);

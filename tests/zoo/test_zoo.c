@@ -30,6 +30,7 @@ static void expect_claims(const ZooCase *zoo, bool noisy, const StyImage *guide,
     }
     ZooVerdict verdict = {0};
     judge_resolve(guide, sites, reference, &verdict);
+    judge_audit(guide, reference, (StyWeights)(look % 3), &verdict);
     expect_kept(zoo, noisy, &verdict);
     sty_destroy_lut(&reference);
   }

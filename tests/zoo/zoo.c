@@ -162,6 +162,8 @@ static void run_resolve(Subject *subject, ZooVerdict *verdict) {
   for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo, NULL)) {
     begin_table();
     judge_resolve(subject->guide, subject->sites, subject->references[look], verdict);
+    begin_table();
+    judge_audit(subject->guide, subject->references[look], (StyWeights)(look % 3), verdict);
   }
 }
 
