@@ -126,11 +126,11 @@ typedef struct StyLut {
   size_t unique;                   /* distinct source values that were searched; 0 where not known */
   uint32_t *pixels;                /* per texel, row-major: index of the source pixel, y*source_width + x */
   float *errors;                   /* per texel: distance to that pixel's value by the metric */
-  double slack;       /* guide units: how much farther than the nearest its pixels may be; 0: none is */
-  int depth;          /* 0: a flat table; of a cube its slices, as many as it is wide */
-  StyFeature axes[3]; /* of a cube */
-  const float *asked; /* NULL; while an engine is asked, values in place of the texels' own */
-  size_t asked_count; /* of them; texels beyond stand for the last */
+  double slack;                    /* guide units: how much farther than the nearest its pixels may be; 0: none is */
+  int depth;                       /* 0: a flat table; of a cube its slices, as many as it is wide */
+  StyFeature axes[3];              /* of a cube */
+  const float *asked;              /* NULL; while an engine is asked, values in place of the texels' own */
+  size_t asked_count;              /* of them; texels beyond stand for the last */
 } StyLut;
 
 /* An empty table, all zero. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
