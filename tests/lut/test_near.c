@@ -90,7 +90,7 @@ static void test_against_a_scan(void **state) {
     sty_close_near(&near);
     free_sites(&sites);
   }
-  assert_true(listed > 10000 && unchanged > 1000);
+  assert_true(listed > CASES(10000, 1500) && unchanged > CASES(1000, 150));
 }
 
 static void test_by_hand(void **state) {
