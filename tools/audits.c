@@ -5,7 +5,8 @@
 
 enum { KEY_GUIDE = 0x400, KEY_AS, KEY_WEIGHTS, KEY_FRAMES, KEY_TOLERANCE, KEY_PRECISION, KEY_JUMP };
 
-const AuditArguments default_audit_arguments = {.tolerance = 4};
+enum { NO_WEIGHTS = -1 };
+const AuditArguments default_audit_arguments = {.tolerance = 4, .weights = NO_WEIGHTS};
 
 /* What only audits ask for comes first, so that table_argp is the rest. */
 static const struct argp_option options_table[] = {
@@ -26,7 +27,8 @@ static const struct argp_option options_table[] = {
      "the guide's own format)",
      0},
     {"jump", KEY_JUMP, "PIXELS", 0,
-     "how far apart source pixels are a jump (default: 4 times the source's longer side over the table's)", 0},
+     "how far apart source pixels are a jump (default: 4 times the source's longer side over the table's, 1 at least)",
+     0},
     {0},
 };
 enum { AUDITS_ONLY = 3 };
@@ -64,7 +66,7 @@ StyStatus check_audit_arguments(AuditCommand *command) {
   if (status) return status;
   if (!audit->guide)
     return sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the guide the table was made for");
-  if (audit->frames.count && audit->weights == STY_WEIGHT_DISC) audit->weights = STY_WEIGHT_FRAMES;
+  if (audit->weights == NO_WEIGHTS) audit->weights = audit->frames.count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC;
   if (!audit->frames.count && audit->weights == STY_WEIGHT_FRAMES)
     return sty_fail(error, STY_ERROR_USAGE, "--weights: found frames without --frames, expected files to weigh by");
   if (audit->frames.count && audit->weights != STY_WEIGHT_FRAMES)
@@ -75,14 +77,13 @@ StyStatus check_audit_arguments(AuditCommand *command) {
 
 StyStatus open_table(const AuditCommand *command, AuditCase *out, StyError *error) {
   const AuditArguments *audit = &command->audit;
-  StyStatus status = read_guide(audit->guide, &out->guide, error);
+  StyStatus status = read_guide(&command->options, audit->guide, &out->guide, error);
   if (!status) {
     const StyLutHints hints = {out->guide->width, out->guide->height, -1, (StyForeign)audit->foreign};
-    warn_about_normals(&command->options, audit->guide, out->guide);
-    status = read_lut_of_guide(&command->options, audit->lut, audit->guide, &hints, &out->lut, error);
+    status = read_lut(&command->options, audit->lut, audit->guide, &hints, &out->lut, &out->of_another, error);
     if (status) sty_fail(error, status, "%s (its guide being %s)", error->text, audit->guide);
   }
-  if (!status) status = read_frames(&audit->frames, out->frames, error);
+  if (!status) status = read_frames(&command->options, &audit->frames, out->frames, error);
   if (!status) status = sty_collect_sites(audit->guide, out->guide, &out->sites, error);
   return status;
 }

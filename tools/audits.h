@@ -35,6 +35,7 @@ typedef struct AuditCase {
   StySites *sites;
   StyLut *lut, *exact;
   StyImage *frames[MOST_FRAMES];
+  bool of_another; /* the table says that it was made of another guide */
 } AuditCase;
 
 /* All but the exact table. */

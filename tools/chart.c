@@ -360,10 +360,9 @@ typedef struct Subject {
 } Subject;
 
 static StyStatus open_subject(const Arguments *arguments, Subject *out, StyError *error) {
-  StyStatus status = read_guide(arguments->guide, &out->guide, error);
-  if (!status) warn_about_normals(&arguments->options, arguments->guide, out->guide);
+  StyStatus status = read_guide(&arguments->options, arguments->guide, &out->guide, error);
   if (!status) status = sty_collect_sites(arguments->guide, out->guide, &out->sites, error);
-  if (!status) status = read_frames(&arguments->frames, out->frames, error);
+  if (!status) status = read_frames(&arguments->options, &arguments->frames, out->frames, error);
   return status;
 }
 

@@ -1,11 +1,12 @@
 #include "inputs.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "stylut/file.h"
 #include "stylut/image_io.h"
 
-StyStatus read_guide(const char *path, StyImage **out, StyError *error) {
+static StyStatus import_guide(const char *path, StyImage **out, StyError *error) {
   StyImage *image = NULL;
   StyStatus status = sty_read_image(path, &image, error);
   if (!status) status = sty_import_guide(path, &image, error);
@@ -16,19 +17,58 @@ StyStatus read_guide(const char *path, StyImage **out, StyError *error) {
   return status;
 }
 
-void warn_about_normals(const Options *options, const char *path, const StyImage *guide) {
-  static const float rim = 1.05f, most = 0.25f;
+static void warn_about_normals(const Options *options, const char *path, const StyImage *guide) {
+  static const double shortest = 0.8, longest = 1.2, most = 0.25;
   const float *covered = sty_find_channel(guide, "A");
-  const float *x = sty_find_channel(guide, "normal.X"), *y = sty_find_channel(guide, "normal.Y");
-  size_t count = 0, beyond = 0;
+  const float *normal[3] = {sty_find_channel(guide, "normal.X"), sty_find_channel(guide, "normal.Y"),
+                            sty_find_channel(guide, "normal.Z")};
+  size_t count = 0, odd = 0, away = 0;
   for (size_t p = 0; p < sty_count_pixels(guide); p++) {
     if (!(covered[p] > 0)) continue;
+    double squared = 0;
+    for (int k = 0; k < 3; k++) squared += (double)normal[k][p] * (double)normal[k][p];
     count++;
-    beyond += !(x[p] * x[p] + y[p] * y[p] <= rim * rim);
+    odd += !(squared > shortest * shortest && squared < longest * longest);
+    away += normal[2][p] < 0;
   }
-  if ((float)beyond > most * (float)count)
-    warn(options, "%s: found normals longer than 1 in %.0f %% of the covered pixels, expected unit normals",
-         clean_text(path), 100.0 * (double)beyond / (double)count);
+  if ((double)odd > most * (double)count)
+    warn(options, "%s: found normals of other lengths than 1 in %.0f %% of the covered pixels, expected unit normals",
+         clean_text(path), 100 * (double)odd / (double)count);
+  else if (2 * away > count)
+    warn(options,
+         "%s: found normals facing away from the viewer in %.0f %% of the covered pixels, expected z toward it",
+         clean_text(path), 100 * (double)away / (double)count);
+}
+
+StyStatus read_guide(const Options *options, const char *path, StyImage **out, StyError *error) {
+  const StyStatus status = import_guide(path, out, error);
+  if (!status) warn_about_normals(options, path, *out);
+  return status;
+}
+
+static StyStatus check_values(const char *path, const StyImage *guide, StyError *error) {
+  static const char *const names[] = {"normal.X", "normal.Y", "normal.Z"};
+  const float *covered = sty_find_channel(guide, "A");
+  for (int k = 0; k < 3; k++) {
+    const float *values = sty_find_channel(guide, names[k]);
+    for (size_t p = 0; p < sty_count_pixels(guide); p++)
+      if (covered[p] > 0 && !(fabsf(values[p]) <= STY_MAX_GUIDE_VALUE))
+        return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %g at pixel (%zu, %zu), expected a value within %g",
+                        path, names[k], (double)values[p], p % (size_t)guide->width, p / (size_t)guide->width,
+                        (double)STY_MAX_GUIDE_VALUE);
+  }
+  return STY_OK;
+}
+
+StyStatus read_frame(const Options *options, const char *path, StyImage **out, StyError *error) {
+  StyImage *guide = NULL;
+  StyStatus status = read_guide(options, path, &guide, error);
+  if (!status) status = check_values(path, guide, error);
+  if (status)
+    sty_destroy_image(&guide);
+  else
+    *out = guide;
+  return status;
 }
 
 /* A picture's normals and coverage may stand in other channels than a guide's. */
@@ -64,7 +104,15 @@ StyStatus add_frame(Frames *frames, const char *file, StyError *error) {
 }
 
 StyStatus take_argument_or_frame(Options *options, const char **slot, Frames *frames, const char *text) {
-  return *slot && frames->count ? add_frame(frames, text, &options->error) : take_argument(options, slot, text);
+  if (!*slot) frames->before_argument = is_behind_option(options, "--fr", text); /* however abbreviated */
+  if (!*slot || !frames->count) return take_argument(options, slot, text);
+  if (frames->before_argument)
+    return sty_fail(
+        &options->error, STY_ERROR_USAGE,
+        "--frames: found '%s' and '%s' behind it, of which the first may be a frame, too; expected --frames "
+        "behind the other argument",
+        *slot, text);
+  return add_frame(frames, text, &options->error);
 }
 
 int append_frames(const Frames *frames, const char **files, int count) {
@@ -72,9 +120,9 @@ int append_frames(const Frames *frames, const char **files, int count) {
   return count + frames->count;
 }
 
-StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error) {
+StyStatus read_frames(const Options *options, const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error) {
   StyStatus status = STY_OK;
-  for (int f = 0; !status && f < frames->count; f++) status = read_guide(frames->files[f], &out[f], error);
+  for (int f = 0; !status && f < frames->count; f++) status = read_frame(options, frames->files[f], &out[f], error);
   return status;
 }
 
@@ -97,21 +145,15 @@ static StyStatus read_table(const char *path, const StyLutHints *hints, StyImage
   return status;
 }
 
-StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error) {
-  StyImage *image = NULL;
-  const StyStatus status = read_table(path, hints, &image, out, error);
-  sty_destroy_image(&image);
-  return status;
-}
-
-StyStatus read_lut_of_guide(const Options *options, const char *path, const char *guide, const StyLutHints *hints,
-                            StyLut **out, StyError *error) {
+StyStatus read_lut(const Options *options, const char *path, const char *guide, const StyLutHints *hints, StyLut **out,
+                   bool *of_another, StyError *error) {
   StyImage *image = NULL;
   char hash[STY_HASH_SIZE];
   StyStatus status = read_table(path, hints, &image, out, error);
-  const char *origin = status ? NULL : sty_find_attribute(image, "stylut:input1");
+  const char *origin = status || !guide ? NULL : sty_find_attribute(image, "stylut:input1");
   if (origin) status = sty_hash_file(guide, hash, error);
-  if (!status && origin && strcmp(origin, hash) != 0)
+  *of_another = !status && origin && strcmp(origin, hash) != 0;
+  if (*of_another)
     warn(options, "%s: found that it was made of another file (sha256 %.12s...), expected %s (%.12s...)",
          clean_text(path), clean_text(origin), clean_text(guide), hash);
   sty_destroy_image(&image);

@@ -6,12 +6,13 @@
 #include "stylut/guide.h"
 #include "stylut/lut.h"
 
-/* Reads a file and turns it into a guide with A and normal.* (see guide.h). */
-StyStatus read_guide(const char *path, StyImage **out, StyError *error);
+/* Reads a file and turns it into a guide with A and normal.* (see guide.h). Warns where
+ * many normals aren't unit vectors, or most face away from the viewer: what was given
+ * is then hardly a guide (a painting, say), or one of another convention. */
+StyStatus read_guide(const Options *options, const char *path, StyImage **out, StyError *error);
 
-/* Warns where many normals lie outside the disc even in x and y: what was given is
- * then hardly a guide (a painting, say), or one of another convention. */
-void warn_about_normals(const Options *options, const char *path, const StyImage *guide);
+/* The same for what lookups are made with: values beyond STY_MAX_GUIDE_VALUE are refused. */
+StyStatus read_frame(const Options *options, const char *path, StyImage **out, StyError *error);
 
 /* Reads a guide for the sake of these channels: as the file has them, or, where it
  * lacks coverage or normals that are asked for, as read_guide finds them. */
@@ -23,12 +24,14 @@ enum { MOST_FRAMES = 256 };
 typedef struct Frames {
   const char *files[MOST_FRAMES];
   int count;
+  bool before_argument; /* --frames came before the command's own argument */
 } Frames;
 
 /* One more file; too many are an error. */
 StyStatus add_frame(Frames *frames, const char *file, StyError *error);
 
-/* A command's own argument into *slot, then more frames once --frames was given. */
+/* A command's own argument into *slot, then more frames once --frames was given; what
+ * may be either, since --frames came first, is an error. */
 StyStatus take_argument_or_frame(Options *options, const char **slot, Frames *frames, const char *text);
 
 /* Writes their names behind `count` others; how many there are then. */
@@ -36,14 +39,13 @@ int append_frames(const Frames *frames, const char **files, int count);
 
 /* Reads them all into `out`, which is zero and has room for MOST_FRAMES; the
  * caller destroys what it holds, after a failure too. */
-StyStatus read_frames(const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error);
+StyStatus read_frames(const Options *options, const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error);
 void destroy_frames(StyImage *frames[MOST_FRAMES]);
 
-/* Reads a flat table; `hints` say what the file may leave out. */
-StyStatus read_lut(const char *path, const StyLutHints *hints, StyLut **out, StyError *error);
-
-/* Reads the table of this guide and warns where it says that it was made of another. */
-StyStatus read_lut_of_guide(const Options *options, const char *path, const char *guide, const StyLutHints *hints,
-                            StyLut **out, StyError *error);
+/* Reads a flat table; `hints` say what the file may leave out. Warns, and sets
+ * *of_another, where it says that it was made of another file than `guide`; NULL: that isn't
+ * known. */
+StyStatus read_lut(const Options *options, const char *path, const char *guide, const StyLutHints *hints, StyLut **out,
+                   bool *of_another, StyError *error);
 
 #endif

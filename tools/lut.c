@@ -54,8 +54,8 @@ static const double default_slack = 2;
 
 static const struct argp_option options_table[] = {
     {"size", 's', "N|auto", 0,
-     "texels a side, or auto: the smallest table that meets --max-p99, encoding included (default: 256; 64 with "
-     "--channels)",
+     "texels a side, or auto: the smallest table found that meets --max-p99, encoding included, in steps of 1.41 and "
+     "three halvings (default: 256; 64 with --channels)",
      0},
     {"max-p99", KEY_MAX_P99, "DEG", 0, "for --size auto: the lookup error that 99 % of the lookups stay within", 0},
     {"frames", KEY_FRAMES, "FILE...", 0,
@@ -80,7 +80,7 @@ static const struct argp_option options_table[] = {
      "how much farther than the nearest such a choice may be, in 8-bit levels (default: 2)", 0},
     {"channels", KEY_CHANNELS, "LIST", 0,
      "a table of three dimensions, N x N x N texels, over these three channels, as in normal.X,normal.Y,luma.Y:0.5; "
-     "a number after a colon weighs the channel's distances",
+     "a number after a colon weighs the channel's distances; axes run from 0 to 1, those of normal.* from -1 to 1",
      0},
     {"max-memory", KEY_MAX_MEMORY, "BYTES", 0,
      "refuse a table of three dimensions that takes more; K, M and G may follow (default: 1G)", 0},
@@ -110,7 +110,7 @@ static StyStatus check_cube(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   const char *option = find_flat_option(arguments);
   if (option)
-    return sty_fail(error, STY_ERROR_USAGE, "--channels: found with %s, expected what goes with three dimensions",
+    return sty_fail(error, STY_ERROR_USAGE, "--channels: found with %s, which is for flat tables, expected one of them",
                     option);
   const long long limit = arguments->max_memory ? arguments->max_memory : default_max_memory;
   double texels, bytes;
@@ -136,6 +136,10 @@ static StyStatus check_resolve(Arguments *arguments) {
                     "--resolve: found %s with engine %s, expected an exact one, from whose "
                     "distances the slack is counted",
                     resolve_names[arguments->resolve], arguments->engine->name);
+  if (arguments->size == 0 && !arguments->engine->exact)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--size: found auto with engine %s, expected an exact one, which the budget is for",
+                    arguments->engine->name);
   if (arguments->resolve != RESOLVE_NEAREST && arguments->size == 0)
     return sty_fail(error, STY_ERROR_USAGE,
                     "--size: found auto with --resolve %s, expected a number: budgets are those of the nearest",
@@ -174,9 +178,9 @@ static StyStatus check_arguments(Arguments *arguments) {
   const bool exr = format == STY_IMAGE_EXR;
   if (arguments->encoding < 0) arguments->encoding = exr ? STY_ENCODE_F32 : STY_ENCODE_RG16;
   if (exr != (arguments->encoding == STY_ENCODE_F32))
-    return sty_fail(error, STY_ERROR_USAGE,
-                    "--encoding: found %s for %s, expected f32 for .exr and the others for .png",
-                    sty_encoding_names[arguments->encoding], arguments->options.output);
+    return sty_fail(error, STY_ERROR_USAGE, "--encoding: found %s for %s, expected %s",
+                    sty_encoding_names[arguments->encoding], arguments->options.output,
+                    exr ? "f32, or a name ending in .png" : "rg16, rg8x2 or rg8, or a name ending in .exr");
   return arguments->feature_count ? check_cube(arguments) : STY_OK;
 }
 
@@ -259,7 +263,8 @@ static void measure_errors(const StyLut *lut, const float *base, double *mean, d
     for (int i = 0; i < lut->spec.width; i++) {
       if (!lut->depth && !sty_is_feasible(&lut->spec, i, j)) continue;
       const size_t texel = (size_t)j * (size_t)lut->spec.width + (size_t)i;
-      const double distance = (double)lut->errors[texel] - (base ? (double)base[texel] : 0);
+      /* Other pixels' distances are summed anew, and may come out a rounding lower. */
+      const double distance = fmax(0, (double)lut->errors[texel] - (base ? (double)base[texel] : 0));
       feasible++;
       sum += distance;
       if (distance > *most) *most = distance;
@@ -313,6 +318,11 @@ static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyErr
   const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
   const int count = append_frames(&arguments->frames, inputs, 1);
   StyImage *image = NULL;
+  if (arguments->encoding == STY_ENCODE_RG8 && (lut->source_width > 255 || lut->source_height > 255))
+    warn(
+        &arguments->options,
+        "--encoding: found rg8 for a source of %d x %d pixels, of which 8 bits can't name each; expected rg16 or rg8x2",
+        lut->source_width, lut->source_height);
   StyStatus status = sty_encode_lut(lut, (StyEncoding)arguments->encoding, &image, error);
   if (!status) status = add_history(&arguments->options, "lut", image, inputs, count, error);
   if (!status) status = sty_write_image(arguments->options.output, image, error);
@@ -375,7 +385,26 @@ static StyStatus choose_spec(Arguments *arguments, const Inputs *inputs, StyLutS
 static StyStatus read_source(const Arguments *arguments, StyImage **out, StyError *error) {
   return arguments->feature_count
              ? read_features(arguments->guide, arguments->features, arguments->feature_count, out, error)
-             : read_guide(arguments->guide, out, error);
+             : read_guide(&arguments->options, arguments->guide, out, error);
+}
+
+/* What lies beyond the axes of a cube (see lut.h) can't be looked up. */
+static void warn_about_axes(const Arguments *arguments, const StySites *sites) {
+  size_t outside = 0;
+  for (size_t s = 0; s < sites->count; s++) {
+    bool inside = true;
+    for (int k = 0; k < 3; k++) {
+      const StyFeature *feature = &sites->features[k];
+      const double value = (double)sites->values[3 * s + (size_t)k] / (double)feature->weight;
+      const double least = strncmp(feature->channel, "normal.", 7) == 0 ? -1 : 0;
+      inside = inside && value >= least - 1e-3 && value <= 1 + 1e-3;
+    }
+    outside += !inside;
+  }
+  if (outside)
+    warn(&arguments->options,
+         "%s: found %.1f %% of the pixels outside the table, expected channels from 0 to 1 (normal.*: -1 to 1)",
+         clean_text(arguments->guide), 100 * (double)outside / (double)sites->count);
 }
 
 static StyStatus collect(const Arguments *arguments, const StyImage *guide, StySites **out, StyError *error) {
@@ -385,6 +414,7 @@ static StyStatus collect(const Arguments *arguments, const StyImage *guide, StyS
       sty_collect_features(arguments->guide, guide, arguments->features, arguments->feature_count, &sites, error);
   if (status) return status;
   if (sites->dims == 3) {
+    warn_about_axes(arguments, sites);
     *out = sites;
     return STY_OK;
   }
@@ -433,8 +463,7 @@ static StyStatus build(const Arguments *arguments, const Inputs *inputs, const S
 static StyStatus open_inputs(const Arguments *arguments, Inputs *out, Account *account, StyError *error) {
   const double start = sty_get_milliseconds();
   StyStatus status = read_source(arguments, &out->guide, error);
-  if (!status && !arguments->feature_count) warn_about_normals(&arguments->options, arguments->guide, out->guide);
-  if (!status) status = read_frames(&arguments->frames, out->frames, error);
+  if (!status) status = read_frames(&arguments->options, &arguments->frames, out->frames, error);
   const double read = sty_get_milliseconds();
   if (!status) status = collect(arguments, out->guide, &out->sites, error);
   account->times[0] = read - start;

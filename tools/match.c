@@ -112,8 +112,10 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   if (arguments->options.quiet) return STY_OK;
   char channels[STY_FEATURES_SIZE];
   sty_write_features(sites->features, sites->dims, channels);
-  printf("%s: %zu pixels matched with %zu source pixels, %zu distinct values, by %s\n",
-         clean_text(arguments->options.output), account->matched, sites->count, account->unique, clean_text(channels));
+  char distinct[64] = "";
+  if (account->unique) snprintf(distinct, sizeof distinct, ", %zu distinct values", account->unique);
+  printf("%s: %zu pixels matched with %zu source pixels%s, by %s\n", clean_text(arguments->options.output),
+         account->matched, sites->count, distinct, clean_text(channels));
   printf("engine %s, %s; distance to the nearest value: mean %.5f, max %.5f\n", account->engine->name,
          account->engine->exact ? "exact" : "approximate", account->mean_error, account->max_error);
   printf("read %.1f ms, search %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],

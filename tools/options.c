@@ -274,6 +274,9 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
     options->helped = true;
     return STY_OK;
   }
+  options->words = calloc((size_t)argc + 1, sizeof *options->words);
+  if (!options->words) return sty_fail_memory(&options->error, "options", (double)argc * sizeof *options->words);
+  memcpy(options->words, argv, (size_t)argc * sizeof *options->words);
   const error_t failed = argp_parse(argp, argc, argv, ARGP_NO_ERRS | ARGP_NO_HELP, NULL, arguments);
   if (!failed || options->error.status) return options->error.status;
   const int stop = options->stopped_at;
@@ -284,6 +287,12 @@ StyStatus take_argument(Options *options, const char **slot, const char *text) {
   if (*slot) return sty_fail(&options->error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, *slot);
   *slot = text;
   return STY_OK;
+}
+
+bool is_behind_option(const Options *options, const char *prefix, const char *word) {
+  for (char **w = options->words; *w && *w != word; w++)
+    if (strncmp(*w, prefix, strlen(prefix)) == 0) return true;
+  return false;
 }
 
 StyStatus require_argument(Options *options, const char *argument, const char *expected) {
@@ -331,7 +340,9 @@ void warn(const Options *options, const char *format, ...) {
 
 StyStatus finish_command(Options *options, StyStatus status) {
   if (status && options->error.status == status) fprintf(stderr, "stylut: error: %s\n", options->error.text);
+  free(options->words);
   free(options->history);
+  options->words = NULL;
   options->history = NULL;
   /* A full disk behind stdout must not pass for success. */
   if (fflush(stdout) != 0 && !status) {

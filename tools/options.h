@@ -26,6 +26,7 @@ typedef struct Options {
   bool helped;    /* --help was given and answered: nothing is left to do */
   int reached;    /* by parsing, in argv: past the option taken last, or at it while others follow in its word */
   int stopped_at; /* the word in argv that parsing failed at */
+  char **words;   /* argv as it was given: parsing moves options to its front */
   char *history;  /* the options that shape the result, in canonical form */
   StyError error;
 } Options;
@@ -50,6 +51,9 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
 
 /* Puts the command's one argument into *slot; a second one is an error. */
 StyStatus take_argument(Options *options, const char **slot, const char *text);
+
+/* Whether an option that begins with `prefix` was given before this word of the command line. */
+bool is_behind_option(const Options *options, const char *prefix, const char *word);
 
 /* The argument must have been given; `expected` says what it is. */
 StyStatus require_argument(Options *options, const char *argument, const char *expected);

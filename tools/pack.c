@@ -95,8 +95,7 @@ static StyStatus get_guide(const Arguments *arguments, const StyManifest *manife
   if (strcmp(style->guide, "sphere") == 0) return sty_make_sphere_guide(width, height, STY_GUIDE_NORMAL, out, error);
   char *path = sty_join_path(manifest->folder, style->guide);
   if (!path) return sty_fail_memory(error, style->guide, 0);
-  StyStatus status = read_guide(path, out, error);
-  if (!status) warn_about_normals(&arguments->options, path, *out);
+  StyStatus status = read_guide(&arguments->options, path, out, error);
   if (!status && ((*out)->width != width || (*out)->height != height)) {
     status = sty_fail(error, STY_ERROR_INPUT,
                       "style '%s': found exemplar %s of %dx%d and guide %s of %dx%d pixels, expected one size",
@@ -125,8 +124,14 @@ static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest
   if (style->lut_file) {
     const StyLutHints hints = {guide->width, guide->height, get_sampling(style->lut_sampling), STY_FOREIGN_NONE};
     char *path = sty_join_path(manifest->folder, style->lut_file);
-    StyStatus status = path ? read_lut(path, &hints, out, error) : sty_fail_memory(error, style->lut_file, 0);
+    const bool sphere = strcmp(style->guide, "sphere") == 0;
+    char *guide_path = sphere ? NULL : sty_join_path(manifest->folder, style->guide);
+    bool of_another;
+    StyStatus status = path && (sphere || guide_path)
+                           ? read_lut(&arguments->options, path, guide_path, &hints, out, &of_another, error)
+                           : sty_fail_memory(error, style->lut_file, 0);
     free(path);
+    free(guide_path);
     if (!status && ((*out)->spec.map != STY_MAP_XY || (*out)->spec.sampling == STY_SAMPLE_CORNER)) {
       status = sty_fail(error, STY_ERROR_INPUT,
                         "%s: found a LUT of map %s and sampling %s, expected xy and centre or unorm8", style->lut_file,

@@ -79,7 +79,7 @@ typedef struct Tracing {
 
 static StyStatus open_tracing(Tracing *out, StyError *error) {
   static const StyView view = {.azimuth = 35, .elevation = 40, .margin = 0.05};
-  *out = (Tracing){NULL};
+  *out = (Tracing){0};
   const StyStatus status = make_torus(&out->scene, error);
   return status ? status : sty_fit_camera(out->scene, &view, WIDTH, HEIGHT, &out->camera, error);
 }
@@ -105,7 +105,7 @@ static StyStatus trace_once(const Entrant *self, double *milliseconds, StyError 
 
 StyStatus measure_guides(int repeats, const StyRun *run, RaceResults *results, StyError *error) {
   static const char *const names[] = {"normal+depth", "all channels"};
-  Tracing tracing = {NULL};
+  Tracing tracing = {0};
   Race *race = calloc(1, sizeof *race);
   StyStatus status = race ? open_tracing(&tracing, error) : sty_fail_memory(error, "bench", sizeof *race);
   for (int threads = 1; !status && threads <= 2; threads++)

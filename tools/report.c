@@ -108,7 +108,8 @@ static StyStatus write_and_print(const AuditCommand *command, const AuditCase *s
                             .exact = subject->exact,
                             .guide = subject->guide,
                             .audit = audit,
-                            .maps = maps};
+                            .maps = maps,
+                            .of_another = subject->of_another};
   StyOpinion opinion;
   StyStatus status = name_files(command, files, error);
   if (!status) status = sty_judge_report(&report, &opinion, error);

@@ -251,6 +251,9 @@ static StyStatus write_pictures(const Arguments *arguments, const Work *work, St
   return status;
 }
 
+/* Share of pixels without a piece: no exemplar is that poor in directions. */
+static const double hopeless = 0.9;
+
 typedef struct Account {
   size_t covered, fallback;
   double times[5]; /* load, read, transfer, blend, write */
@@ -265,6 +268,12 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
                   work->frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
                   pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
         error);
+  if (share > hopeless)
+    warn(&arguments->options,
+         "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the same convention "
+         "as "
+         "the bundle's guide",
+         clean_text(arguments->guide), 100 * share);
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
          work->frame.width, work->frame.height, account->covered, 100 * share);
@@ -309,7 +318,7 @@ static StyStatus run(Arguments *arguments) {
   const double loaded = sty_get_milliseconds();
   Work work = {.bundle = &bundle.bundle, .bits = arguments->bits};
   StyImage *guide = NULL;
-  status = read_guide(arguments->guide, &guide, error);
+  status = read_frame(&arguments->options, arguments->guide, &guide, error);
   if (!status) status = choose_style(arguments, &bundle, guide, &work.frame.style, error);
   if (!status) status = allocate_work(&work, guide, error);
   if (!status) status = fill_frame(&work, guide, error);

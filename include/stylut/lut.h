@@ -153,7 +153,7 @@ void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]);
 /* Whether texel (i, j) is feasible. */
 bool sty_is_feasible(const StyLutSpec *spec, int i, int j);
 
-/* The texel (t[0], t[1]) that answers for a guide value; values outside
+/* The texel (t[0], t[1]) that answers for a guide value within STY_MAX_GUIDE_VALUE; values outside
  * the disc or square that the map covers are clamped. */
 void sty_find_texel(const StyLutSpec *spec, const float g[2], int t[2]);
 
@@ -257,7 +257,7 @@ extern const char *const sty_foreign_names[]; /* "stylut", "unity", "rg8", "rg16
 typedef struct StyLutHints {
   int source_width, source_height; /* 0: unknown */
   int sampling;                    /* a StySampling, or -1: unknown (centre is assumed) */
-  StyForeign foreign;              /* overrules what the file says of itself */
+  StyForeign foreign;              /* overrules the file's own word on encoding and rows, unity on sampling too */
 } StyLutHints;
 
 /* An image back into a table. Without attributes and hints 16-bit pictures are

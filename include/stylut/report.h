@@ -30,6 +30,7 @@ typedef struct StyReport {
   const StyImage *guide;
   const StyAudit *audit;
   const StyAuditMaps *maps;
+  bool of_another; /* the table says that it was made of another guide */
 } StyReport;
 
 typedef enum StyJudgement { STY_JUDGED_GOOD, STY_JUDGED_FAIR, STY_JUDGED_BAD } StyJudgement;

@@ -12,11 +12,12 @@ static const double close_excess = 0.1;   /* degrees: nobody sees them in a norm
 static const double wrong_excess = 1;     /* degrees */
 static const double much = 0.1;           /* share of texels */
 static const double torn = 0.25;          /* share of neighbours that jump */
-static const double lacking = 0.5;        /* coverage of a direction */
+static const double lacking = 0.4;        /* coverage of a direction */
 static const double least_demand = 0.005; /* share of the frames' pixels */
 static const double bare = 0.9;           /* coverage in all */
 static const double growth_between = 1.5; /* lookup over assignment error */
 static const double growth_by_rounding = 1.1;
+static const size_t few_directions = 16;
 enum { LIST_SIZE = 300, MOST_NAMED_SECTORS = 4 };
 
 static void advise(StyOpinion *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -131,6 +132,10 @@ static void give_reason(const StyReport *report, StyOpinion *out) {
 
 static void advise_on_errors(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
+  if (report->of_another)
+    advise(out,
+           "The table says that it was made of another guide than this one. If so, nothing here holds: audit it "
+           "against its own.");
   if (audit->background)
     advise(out,
            "%zu texel%s at the background of the guide, where nothing is painted: what asks for it comes out empty. "
@@ -180,6 +185,14 @@ static double list_lacking(const StyReport *report, const StyFacts *facts, char 
 
 static void advise_on_coverage(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   char list[LIST_SIZE];
+  const size_t shown = report->exact->unique;
+  if (shown && shown <= few_directions && !weighs_frames(report)) {
+    advise(out,
+           "The guide shows only %zu direction%s, as of flat faces: whatever faces elsewhere gets the nearest of them. "
+           "Name frames of your shots with --frames to learn whether they ask for others.",
+           shown, shown == 1 ? "" : "s");
+    return;
+  }
   const double demand = list_lacking(report, facts, list);
   if (*list && weighs_frames(report))
     advise(out,
@@ -195,12 +208,15 @@ static void advise_on_coverage(const StyReport *report, const StyFacts *facts, S
 
 static void advise_on_guide(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
-  if (is_ambiguous(audit) && !(is_as_chosen(audit) && audit->jumps <= much))
+  if (is_ambiguous(audit) && !is_as_chosen(audit))
     advise(out,
            "The guide is ambiguous: for %s of the texels the pixels that fit equally well lie in several places or far "
-           "apart, on average %.0f pixels from their middle. Chance decides between them, and copied pieces get small: "
-           "build with --resolve coherent, so that neighbours choose alike.",
-           say_share(audit->ambiguous).text, facts->spread);
+           "apart, on average %.0f pixels from their middle. %s",
+           say_share(audit->ambiguous).text, facts->spread,
+           audit->jumps > much && can_tear(audit)
+               ? "Trifles decide between them, and copied pieces get small: build with --resolve coherent, so that "
+                 "neighbours choose alike."
+               : "Trifles decide between them, but here neighbours choose alike.");
   else if (audit->jumps > much && can_tear(audit))
     advise(out,
            "%s of neighbouring texels lie more than %.3g source pixels apart: strokes will be cut there. --resolve "

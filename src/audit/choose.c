@@ -4,7 +4,7 @@
 #include "audit/stored.h"
 #include "stylut/audit.h"
 
-enum { SMALLEST = 16, LARGEST = 4096, MORE = 2, IDLE = 3 };
+enum { SMALLEST = 16, LARGEST = 4096, MORE = 2, IDLE = 3, HALVINGS = 3 };
 
 /* What one more size must bring to count as better. */
 static const double least_gain = 0.01;
@@ -30,24 +30,62 @@ static int compare_candidates(const void *a, const void *b) {
   return (int)x->spec.map - (int)y->spec.map;
 }
 
-/* Sizes of one map, appended to the candidates. */
-static StyStatus try_sizes(const StySites *sites, const StyImage *guide, StyLutSpec spec, StyEncoding encoding,
-                           const StyAuditOptions *options, double budget, const StyRun *run, StyCandidate *candidates,
-                           int *count, StyError *error) {
-  double best = INFINITY;
-  int met = 0, idle = 0;
-  for (int step = 0; met <= MORE && idle < IDLE && *count < STY_MOST_CANDIDATES; step++) {
-    spec.width = spec.height = (int)lround(SMALLEST * pow(2, 0.5 * step));
-    if (spec.width > LARGEST) return STY_OK;
-    StyCandidate *candidate = &candidates[(*count)++];
-    const StyStatus status = try_spec(sites, guide, &spec, encoding, options, run, candidate, error);
+/* What sizes are tried for. */
+typedef struct Search {
+  const StySites *sites;
+  const StyImage *guide;
+  StyLutSpec spec; /* with the size that is tried */
+  StyEncoding encoding;
+  const StyAuditOptions *options;
+  const StyRun *run;
+  double budget;
+  StyCandidate *candidates;
+  int *count;
+} Search;
+
+static StyStatus try_size(Search *s, int size, StyCandidate **out, StyError *error) {
+  s->spec.width = s->spec.height = size;
+  *out = &s->candidates[(*s->count)++];
+  return try_spec(s->sites, s->guide, &s->spec, s->encoding, s->options, s->run, *out, error);
+}
+
+/* Between a size that fails and one that does. */
+static StyStatus halve_sizes(Search *s, int failed, int met, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int h = 0; h < HALVINGS && met - failed > 1 && *s->count < STY_MOST_CANDIDATES; h++) {
+    const int size = (failed + met) / 2;
+    StyCandidate *candidate;
+    status = try_size(s, size, &candidate, error);
     if (status) return status;
-    met += met > 0 || candidate->lookup.p99 <= budget;
-    idle = candidate->lookup.p99 < best * (1 - least_gain) ? 0 : idle + 1;
-    best = fmin(best, candidate->lookup.p99);
-    if (run && run->progress) run->progress(run->context, fmin(1, step / 16.0));
+    if (candidate->lookup.p99 <= s->budget)
+      met = size;
+    else
+      failed = size;
   }
-  return STY_OK;
+  return status;
+}
+
+/* Sizes of one map, appended to the candidates. */
+static StyStatus try_sizes(Search *s, StyError *error) {
+  double best = INFINITY;
+  int met = 0, idle = 0, least_met = 0, last_failed = 0;
+  for (int step = 0; met <= MORE && idle < IDLE && *s->count < STY_MOST_CANDIDATES; step++) {
+    const int size = (int)lround(SMALLEST * pow(2, 0.5 * step));
+    if (size > LARGEST) break;
+    StyCandidate *candidate;
+    const StyStatus status = try_size(s, size, &candidate, error);
+    if (status) return status;
+    const double p99 = candidate->lookup.p99;
+    if (met == 0 && p99 <= s->budget)
+      least_met = size;
+    else if (met == 0)
+      last_failed = size;
+    met += met > 0 || p99 <= s->budget;
+    idle = p99 < best * (1 - least_gain) ? 0 : idle + 1;
+    best = fmin(best, p99);
+    if (s->run && s->run->progress) s->run->progress(s->run->context, fmin(1, step / 16.0));
+  }
+  return least_met && last_failed ? halve_sizes(s, last_failed, least_met, error) : STY_OK;
 }
 
 StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, bool any_map,
@@ -57,10 +95,10 @@ StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const St
   *chosen = -1;
   StyStatus status = STY_OK;
   for (int map = STY_MAP_XY; !status && map <= STY_MAP_EQUAL_AREA; map++) {
-    StyLutSpec own = *spec;
-    if (any_map) own.map = (StyMap)map;
-    if ((int)own.map != map || (map != STY_MAP_XY && spec->sampling != STY_SAMPLE_CENTRE)) continue;
-    status = try_sizes(sites, guide, own, encoding, options, budget, run, candidates, count, error);
+    Search search = {sites, guide, *spec, encoding, options, run, budget, candidates, count};
+    if (any_map) search.spec.map = (StyMap)map;
+    if ((int)search.spec.map != map || (map != STY_MAP_XY && spec->sampling != STY_SAMPLE_CENTRE)) continue;
+    status = try_sizes(&search, error);
   }
   if (status) return status;
   qsort(candidates, (size_t)*count, sizeof *candidates, compare_candidates);

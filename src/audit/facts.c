@@ -24,18 +24,21 @@ static void get_value(const StyReport *report, size_t texel, float g[2]) {
 static double get_radius(const float g[2]) { return sqrt((double)g[0] * g[0] + (double)g[1] * g[1]); }
 
 static void gather_sectors(const StyReport *report, StySector sectors[STY_SECTORS]) {
-  size_t texels[STY_SECTORS] = {0}, covered[STY_SECTORS] = {0};
+  double asked[STY_SECTORS] = {0}, covered[STY_SECTORS] = {0};
+  /* Of frames it is what they ask for that counts, else every texel of the sector. */
+  const bool by_demand = report->audit->weights == STY_WEIGHT_FRAMES;
   for (size_t t = 0; t < count_report_texels(report); t++) {
     const double weight = (double)report->maps->weights[t];
     if (isnan(weight)) continue;
     float g[2];
     get_value(report, t, g);
     const int s = sty_find_sector(g);
-    texels[s]++;
-    covered[s] += (double)report->exact->errors[t] <= report->audit->tolerance;
+    const double counts = by_demand ? weight : 1;
+    asked[s] += counts;
+    covered[s] += (double)report->exact->errors[t] <= report->audit->tolerance ? counts : 0;
     sectors[s].demand += weight;
   }
-  for (int s = 0; s < STY_SECTORS; s++) sectors[s].coverage = texels[s] ? (double)covered[s] / (double)texels[s] : 1;
+  for (int s = 0; s < STY_SECTORS; s++) sectors[s].coverage = asked[s] > 0 ? covered[s] / asked[s] : 1;
 }
 
 /* ---- error against radius ------------------------------------------------------ */

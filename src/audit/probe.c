@@ -152,8 +152,6 @@ static StyStatus ask_value(const StyLut *lut, const StySites *sites, uint32_t pi
 
 /* ---- the whole ---------------------------------------------------------------- */
 
-static int get_longer(int a, int b) { return a > b ? a : b; }
-
 /* By the metric, in guide units. */
 static double measure_values(StyMetric metric, const float a[2], const float b[2]) {
   const int dims = metric == STY_METRIC_ANGLE ? 3 : 2;
@@ -178,9 +176,8 @@ StyStatus sty_probe_lut(const StyLut *lut, const StyImage *guide, const StySites
     return sty_fail(error, STY_ERROR_INPUT,
                     "found a LUT for a source of %dx%d pixels, expected one for the guide's %dx%d", lut->source_width,
                     lut->source_height, guide->width, guide->height);
-  const double sides = (double)get_longer(guide->width, guide->height) / get_longer(lut->spec.width, lut->spec.height);
   StyProbe probe = {.precision = options->precision > 0 ? options->precision : sty_get_precision(guide),
-                    .jump = options->jump > 0 ? options->jump : 4 * sides};
+                    .jump = options->jump > 0 ? options->jump : sty_get_jump(&lut->spec, guide->width, guide->height)};
   find_texel(lut, value, &probe);
   const uint32_t pixel = lut->pixels[(size_t)probe.texel[1] * (size_t)lut->spec.width + (size_t)probe.texel[0]];
   StyStatus status = ask_texel(lut, sites, pixel, &probe, error);

@@ -360,7 +360,7 @@ static void close_fusion(Fusion *f) {
 static StyStatus open_fusion(StyChoice *choice, Fusion *f, StyError *error) {
   const StyLut *lut = choice->lut;
   const size_t texels = sty_count_texels(&lut->spec);
-  const double jump = fmax(sty_get_jump(&lut->spec, lut->source_width, lut->source_height), 1);
+  const double jump = sty_get_jump(&lut->spec, lut->source_width, lut->source_height);
   const size_t longest = (size_t)(2 * jump);
   *f = (Fusion){.choice = choice,
                 .farthest = (int64_t)(jump * jump),

@@ -193,7 +193,8 @@ static StyStatus recognize_lut(const char *name, const StyImage *image, Kind *ki
   const bool square = image->width == image->height || facts->foreign == STY_FOREIGN_UNITY;
   const bool fits = square && image->width <= STY_MAX_LUT_SIZE && image->height <= STY_MAX_LUT_SIZE;
   if (!status && !kind->depth && !fits)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a square LUT of at most %d", name,
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: found %dx%d pixels, expected a square LUT of at most %d (StyleBlitUnity's: --as unity)", name,
                     image->width, image->height, STY_MAX_LUT_SIZE);
   if (!status) status = choose_encoding(name, image, facts->foreign, &kind->encoding, error);
   if (!status) status = find_sampling(name, image, facts, error);
@@ -280,8 +281,12 @@ StyStatus sty_decode_lut(const char *name, const StyImage *image, const StyLutHi
     complete = complete && planes[c];
   }
   if (!complete)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected an %s LUT", name, image->bits,
-                    image->names[0], sty_encoding_names[kind.encoding]);
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %d-bit channels %s..., expected %s of an %s LUT", name,
+                    image->bits, image->names[0],
+                    is_float      ? "u and v"
+                    : wanted == 2 ? "R and G"
+                                  : "R, G, B and A",
+                    sty_encoding_names[kind.encoding]);
   StyLut *lut = NULL;
   status = read_choice(name, image, "stylut:map", sty_map_names, &kind.map, error);
   if (!status) status = read_choice(name, image, "stylut:metric", sty_metric_names, &kind.metric, error);

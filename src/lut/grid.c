@@ -69,12 +69,14 @@ static size_t find_few(const StySites *sites, size_t few[FEW]) {
   return count;
 }
 
-/* Sites to where they are searched, and to *spots those for the tree. */
-static StyStatus deal_sites(const StySites *sites, int dims, StyCells *cells, StySpot **spots, size_t *spot_count,
-                            const StyRun *run, StyError *error) {
+/* Sites to where they are searched, and to *spots those for the tree. What is bounded
+ * about cells holds for texels: values asked from far away see points closer together
+ * than rounding can tell. */
+static StyStatus deal_sites(const StySites *sites, int dims, bool for_texels, StyCells *cells, StySpot **spots,
+                            size_t *spot_count, const StyRun *run, StyError *error) {
   size_t few[FEW];
   const size_t few_count = find_few(sites, few);
-  if (!few_count && dims == 2 && sty_lay_out_cells(sites, run, cells))
+  if (!few_count && dims == 2 && for_texels && sty_lay_out_cells(sites, run, cells))
     return sty_sort_into_cells(sites, cells, spots, spot_count, run, error);
   *cells = (StyCells){0};
   *spot_count = few_count ? few_count : sites->count;
@@ -88,7 +90,7 @@ static StyStatus build_by_search(const StySites *sites, const StyMeasure *measur
   StyTree tree = {0};
   StySpot *spots = NULL;
   size_t spot_count = 0;
-  StyStatus status = deal_sites(sites, measure->dims, &cells, &spots, &spot_count, run, error);
+  StyStatus status = deal_sites(sites, measure->dims, !lut->asked, &cells, &spots, &spot_count, run, error);
   const size_t plain = !status && cells.columns ? sty_drop_cell_duplicates(&cells, run) : 0;
   if (!status) status = sty_plant_tree(measure->dims, spots, spot_count, run, &tree, error);
   free(spots);

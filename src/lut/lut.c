@@ -119,7 +119,7 @@ void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]) {
 double sty_get_jump(const StyLutSpec *spec, int source_width, int source_height) {
   const double source = source_width > source_height ? source_width : source_height;
   const double table = spec->width > spec->height ? spec->width : spec->height;
-  return 4 * source / table;
+  return source > table / 4 ? 4 * source / table : 1;
 }
 
 bool sty_is_feasible(const StyLutSpec *spec, int i, int j) {

@@ -41,6 +41,7 @@ typedef struct Case {
   StyImage *guide;
   StyLut *lut, *exact;
   const StyImage *frame; /* or NULL: directions weigh alike */
+  bool of_another;
 } Case;
 
 static StyLut *build(const StyImage *guide, int size) {
@@ -56,7 +57,9 @@ static StyLut *build(const StyImage *guide, int size) {
 }
 
 /* The guide with its exact table, twice; the first may be spoilt. */
-static Case open_case(StyImage *guide, int size) { return (Case){guide, build(guide, size), build(guide, size), NULL}; }
+static Case open_case(StyImage *guide, int size) {
+  return (Case){guide, build(guide, size), build(guide, size), NULL, false};
+}
 
 static void close_case(Case *c) {
   sty_destroy_lut(&c->lut);
@@ -76,7 +79,7 @@ static StyOpinion judge(const Case *c, char **page) {
   StyOpinion opinion;
   StyError error = {STY_OK, ""};
   if (sty_audit_lut(c->lut, c->exact, c->guide, &options, NULL, &audit, &maps, &error)) fail_msg("%s", error.text);
-  const StyReport report = {files, 2, NULL, c->lut, c->exact, c->guide, &audit, &maps};
+  const StyReport report = {files, 2, NULL, c->lut, c->exact, c->guide, &audit, &maps, c->of_another};
   if (sty_judge_report(&report, &opinion, &error)) fail_msg("%s", error.text);
   if (page) {
     size_t size;
@@ -210,7 +213,8 @@ static void test_cube(void **state) {
   Case c = open_case(guide, 48);
   const StyOpinion opinion = judge(&c, NULL);
   expect_opinion(&opinion, STY_JUDGED_FAIR, "but the guide lacks directions.");
-  expect_advice(&opinion, "no surface facing toward the viewer, ");
+  expect_advice(&opinion, "The guide shows only 3 directions, ");
+  expect_no_advice(&opinion, "no surface facing");
   expect_advice(&opinion, "The guide is ambiguous: for 100 % of the texels");
   close_case(&c);
 }
@@ -227,8 +231,21 @@ static void test_two_spheres(void **state) {
   expect_advice(&opinion,
                 "for 100 % of the texels the pixels that fit equally well lie in several places or far apart, on "
                 "average 32 pixels from their middle");
-  expect_advice(&opinion, "--resolve coherent");
+  expect_advice(&opinion, "but here neighbours choose alike"); /* of equals the first */
+  expect_no_advice(&opinion, "--resolve coherent");
   expect_no_advice(&opinion, "no surface facing");
+  close_case(&c);
+}
+
+/* A table that says it is another guide's, before all other advice. */
+static void test_another_guide(void **state) {
+  (void)state;
+  Case c = open_case(make_sphere(64), 48);
+  StyOpinion opinion = judge(&c, NULL);
+  expect_no_advice(&opinion, "made of another guide");
+  c.of_another = true;
+  opinion = judge(&c, NULL);
+  assert_true(opinion.advice_count > 0 && strstr(opinion.advice[0], "made of another guide"));
   close_case(&c);
 }
 
@@ -309,7 +326,7 @@ static void test_names_and_failures(void **state) {
   StyAuditMaps maps;
   assert_int_equal(sty_audit_lut(c.lut, c.exact, c.guide, &(StyAuditOptions){0}, NULL, &audit, &maps, NULL), STY_OK);
   strcpy(c.guide->names[1], "tangent.X");
-  const StyReport report = {NULL, 0, NULL, c.lut, c.exact, c.guide, &audit, &maps};
+  const StyReport report = {NULL, 0, NULL, c.lut, c.exact, c.guide, &audit, &maps, false};
   StyOpinion opinion = {.advice_count = -7};
   StyError error;
   expect_message(sty_judge_report(&report, &opinion, &error), STY_ERROR_INPUT, &error, PARTS("normal.X"));
@@ -326,6 +343,7 @@ int main(void) {
       cmocka_unit_test(test_half_that_is_enough),
       cmocka_unit_test(test_cube),
       cmocka_unit_test(test_two_spheres),
+      cmocka_unit_test(test_another_guide),
       cmocka_unit_test(test_wrong_table),
       cmocka_unit_test(test_background),
       cmocka_unit_test(test_bytes),

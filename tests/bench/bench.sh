@@ -45,5 +45,5 @@ cat <<END
 
 ratio: the reference's time over the row's; above 1, the row is the faster one.
 memory: peak of the process less that of an idle one; its ratio is to the bytes of data held.
-aims: guide 0.5 or more beside the bare loop, memory below 4. The figures are also in ${csv#"$PWD"/}.
+aims: guide 0.5 or more beside the bare loop, memory at most 3. The figures are also in ${csv#"$PWD"/}.
 END

@@ -346,32 +346,27 @@ make_empty_guide() {
   wait
 }
 
-# warn_of PART COMMAND...: works, and says one line on stderr that holds PART; nothing with -q.
-warn_of() {
-  local part=$1 said
-  shift
-  said=$("$STYLUT" "$@" 2>&1 >/dev/null) || complain "'stylut $*' failed: $said"
-  expect_match "warning of 'stylut $*'" "$said" "^stylut: warning: [^
-]*$part[^
-]*\$"
-  accept "$@" -q
-}
-
 @test "what is hardly a guide, or hardly this guide's table, is warned of" {
   bring_all
   # The same size, another file.
   accept guide sphere -s 8 --no-history -o same.exr
   accept lut guide.exr -s 8 -o own.exr
-  warn_of 'own.exr: found that it was made of another file' check own.exr --guide same.exr
+  accept_warned 'own.exr: found that it was made of another file' check own.exr --guide same.exr
   accept check own.exr --guide guide.exr
   # Without a history nobody can tell.
   accept lut guide.exr -s 8 --no-history -o silent.exr
   accept check silent.exr --guide same.exr
+  # In a bundle, too.
+  printf '{"schema": "stylut-bundle/1", "styles": [{"name": "a", "exemplar": "exemplar.png", "guide": "same.exr", "lut": "own.exr"}]}' >own.json
+  accept_warned 'own.exr: found that it was made of another file' pack own.json -o own.bundle
   # A painting's colours, and normals five times too long.
   oiiotool --pattern constant:color=0.95,0.9,0.1 16x16 3 -d uint8 -o painting.png
-  warn_of 'painting.png: found normals longer than 1 in 100 %' lut painting.png -s 8 -o out.exr
+  accept_warned 'painting.png: found normals of other lengths than 1 in 100 %' lut painting.png -s 8 -o out.exr
   oiiotool guide.exr --ch normal.X,normal.Y,normal.Z --mulc 5 guide.exr --ch A --chappend -d float -o long.exr
-  warn_of 'long.exr: found normals longer than 1' lut long.exr -s 8 -o out.exr
+  oiiotool guide.exr --ch normal.X,normal.Y,normal.Z --mulc -1 guide.exr --ch A --chappend -d float -o away.exr
+  accept_warned 'away.exr: found normals facing away' lut away.exr -s 8 -o out.exr
+  accept_warned 'away.exr: found normals facing away' check own.exr --guide guide.exr --frames away.exr
+  accept_warned 'long.exr: found normals of other lengths than 1' lut long.exr -s 8 -o out.exr
 }
 
 @test "a table or a field in place of a guide" {
@@ -706,6 +701,11 @@ EOF
     refuse 1 "${option%% *}" lut guide.exr -s 8 -o out.exr $option
   done
   refuse 1 --precision lut guide.exr -s 8 -e flann-forest --precision 0.5 -o out.exr
+  # A guide behind the frames: with several of them nobody can tell which is which.
+  accept guide sphere -s 9 -o frame.exr
+  prove lut --frames frame.exr guide.exr -s 8 --resolve frames -o out.exr
+  refuse 1 frame.exr lut --frames frame.exr frame.exr guide.exr -s 8 --resolve frames -o out.exr
+  refuse 1 flann-forest lut guide.exr -s auto --max-p99 30 -e flann-forest -o out.exr
   refuse 1 "'-o'" lut guide.exr -s 8 --resolve frames --frames -o out.exr
   for option in '--view front' '--camera perspective' '--fov 30' '--margin 0' '--crease 3' --flat; do
     # shellcheck disable=SC2086

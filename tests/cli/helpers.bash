@@ -71,6 +71,22 @@ accept() {
   return 1
 }
 
+# accept_warned PART COMMAND...: passes, with a line on stderr that begins with
+# 'stylut: warning:' and holds PART, and says nothing there with -q.
+accept_warned() {
+  local part=$1 status=0 said
+  shift
+  "$STYLUT" "$@" -q >/dev/null 2>quiet.txt || status=$?
+  [ "$status:$(cat quiet.txt)" = 0: ] || complain "'stylut $* -q': exit $status, stderr '$(cat quiet.txt)', expected to pass in silence"
+  rm -f quiet.txt
+  said=$BATS_TEST_TMPDIR/stderr.$BASHPID
+  # shellcheck disable=SC2034 # for the tests
+  output=$("$STYLUT" "$@" 2>"$said") || status=$?
+  [ $status = 0 ] && [ "$(wc -l <"$said")" = 1 ] && grep -q "^stylut: warning: " "$said" && grep -qF -- "$part" "$said" && return 0
+  complain "'stylut $*': exit $status, stderr '$(cat "$said")', expected one warning with '$part'"
+  return 1
+}
+
 # complain_unless_refused CODE NAMED COMMAND...: ends with CODE and says why in
 # one line that begins with 'stylut: error:' and holds NAMED.
 complain_unless_refused() {

@@ -148,7 +148,7 @@ static void judge(const StyLut *lut, const StyLut *exact, const StyImage *guide,
     require_message(status, &error);
   } else {
     static const StyReportFile files[2] = {{"table", "table.exr", ""}, {"guide", "guide.exr", ""}};
-    const StyReport report = {files, 2, NULL, lut, exact, guide, &audit, &maps};
+    const StyReport report = {files, 2, NULL, lut, exact, guide, &audit, &maps, peek(values, 5) & 1};
     StyOpinion opinion;
     check_audit(&audit);
     require(sty_judge_report(&report, &opinion, &error) == STY_OK);

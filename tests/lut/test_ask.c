@@ -1,18 +1,11 @@
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 
-#include <cmocka.h>
-
-#include "stylut/lut.h"
+#include "../scratch.h"
+#include "lut/engine.h"
 
 static uint32_t random_state = 1;
 
-static float draw(float low, float high) {
+static float draw_between(float low, float high) {
   random_state = random_state * 1664525u + 1013904223u;
   return low + (high - low) * (float)(random_state >> 8) / 16777216.0f;
 }
@@ -26,9 +19,9 @@ static StySites *make_sites(int width, int height, int bits) {
   assert_int_equal(sty_create_image(width, height, 3, names, bits, &guide, NULL), STY_OK);
   const size_t pixels = sty_count_pixels(guide);
   for (size_t i = 0; i < pixels; i++) {
-    guide->data[i] = draw(0, 1) < 0.8f;
+    guide->data[i] = draw_between(0, 1) < 0.8f;
     for (size_t k = 1; k < 3; k++) {
-      const float value = draw(-1, 1), level = roundf(draw(0, 255));
+      const float value = draw_between(-1, 1), level = roundf(draw_between(0, 255));
       guide->data[k * pixels + i] = bits == 8 ? (2 * level - 255) / 255.0f : value;
       if (i % 9 == 8) guide->data[k * pixels + i] = guide->data[k * pixels + i - 5];
     }
@@ -73,7 +66,7 @@ static void test_exact_engines_answer_alike(void **state) {
       for (int question = 0; question < 40; question++) {
         /* Some at a site's own value, where the distance is 0. */
         const float *own = sites->values + 2 * ((size_t)question * 7 % sites->count);
-        const float g[2] = {question % 4 ? draw(-1, 1) : own[0], question % 4 ? draw(-1, 1) : own[1]};
+        const float g[2] = {question % 4 ? draw_between(-1, 1) : own[0], question % 4 ? draw_between(-1, 1) : own[1]};
         float wanted_distance;
         const uint32_t wanted = find_nearest(sites, (StyMetric)metric, g, &wanted_distance);
         for (const StyEngine *engine = sty_engines; engine->name; engine++) {
@@ -114,8 +107,41 @@ static void test_values_without_an_answer(void **state) {
   sty_destroy_sites(&sites);
 }
 
+/* From far away, points closer together than rounding tells apart are ties. */
+static void test_far_values(void **state) {
+  (void)state;
+  static const char *const names[] = {"A", "normal.X", "normal.Y"};
+  enum { SIDE = CASES(700, 200), QUESTIONS = CASES(300, 40) };
+  StyImage *guide = NULL;
+  StySites *sites = NULL;
+  static float asked[2 * QUESTIONS];
+  assert_int_equal(sty_create_image(SIDE, SIDE, 3, names, 32, &guide, NULL), STY_OK);
+  const size_t pixels = sty_count_pixels(guide);
+  for (size_t i = 0; i < pixels; i++) {
+    guide->data[i] = 1;
+    for (size_t k = 1; k < 3; k++) guide->data[k * pixels + i] = draw_between(0, 2e-3f);
+  }
+  assert_int_equal(sty_collect_sites("guide", guide, &sites, NULL), STY_OK);
+  for (int v = 0; v < 2 * QUESTIONS; v++) asked[v] = draw_between(-999, 999);
+  const StyEngine *grid = NULL;
+  StyLut *answers = NULL;
+  assert_int_equal(sty_find_engine("engine", "grid", &grid, NULL), STY_OK);
+  assert_int_equal(sty_answer_values(sites, grid, NULL, STY_METRIC_XY, asked, QUESTIONS, NULL, &answers, NULL), STY_OK);
+  for (size_t q = 0; q < QUESTIONS; q++) {
+    float distance;
+    const uint32_t wanted = find_nearest(sites, STY_METRIC_XY, asked + 2 * q, &distance);
+    if (answers->pixels[q] != wanted || answers->errors[q] != distance)
+      fail_msg("value (%g, %g): pixel %u at %g, expected %u at %g", (double)asked[2 * q], (double)asked[2 * q + 1],
+               answers->pixels[q], (double)answers->errors[q], wanted, (double)distance);
+  }
+  sty_destroy_lut(&answers);
+  sty_destroy_sites(&sites);
+  sty_destroy_image(&guide);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_engines_answer_alike),
+                                     cmocka_unit_test(test_far_values),
                                      cmocka_unit_test(test_values_without_an_answer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
