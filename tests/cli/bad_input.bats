@@ -349,7 +349,7 @@ make_empty_guide() {
 @test "what is hardly a guide, or hardly this guide's table, is warned of" {
   bring_all
   # The same size, another file.
-  accept guide sphere -s 8 --no-history -o same.exr
+  accept guide sphere -s 8 -c normal -o same.exr
   accept lut guide.exr -s 8 -o own.exr
   accept_warned 'own.exr: found that it was made of another file' check own.exr --guide same.exr
   accept check own.exr --guide guide.exr
@@ -504,8 +504,8 @@ fill_disk() {
   fill_disk guide.exr guide sphere -s 256 -o guide.exr
   fill_disk guide.png guide sphere -s 512 --bits 16 -o guide.png
   oiiotool --create 128x128 3 --noise:type=uniform:min=0:max=1:seed=1 -d uint8 -o noise.png
-  fill_disk lut.exr lut noise.png -s 256 -o lut.exr
-  fill_disk lut.png lut noise.png -s 256 -o lut.png
+  fill_disk lut.exr lut noise.png -s 256 -q -o lut.exr
+  fill_disk lut.png lut noise.png -s 256 -q -o lut.png
 }
 
 @test "a full disk: bundles and pictures" {
