@@ -13,7 +13,7 @@ const StyEngine sty_engines[] = {
     {"cgal", "CGAL's kd-tree with sliding midpoints", true, 2, 3, sty_build_cgal},
     {"flann-forest", "FLANN's randomized forest (--trees, --checks); approximate, and not the same from run to run",
      false, 1, STY_MOST_DIMS, sty_build_flann_forest},
-    {"flann-auto", "the index that FLANN finds fastest for --precision; approximate, and not the same from run to run",
+    {"flann-auto", "FLANN's forest with as many checks as --precision takes; approximate, and not the same from run to run",
      false, 1, STY_MOST_DIMS, sty_build_flann_auto},
     {"grid", "stylut's own: a distance transform for 8-bit guides, cells and a packed tree for others", true, 2, 2,
      sty_build_grid},

@@ -1,7 +1,8 @@
 /* FLANN's indices. KDTREE_SINGLE is exact but for ties (see ties.c); the
- * randomized forest and the autotuned index are approximate, and say so.
+ * randomized forest is approximate, and says so.
  * Muja, Lowe, "Fast Approximate Nearest Neighbors", 2009. */
 #include <flann/flann.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,10 +81,6 @@ StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *
 
 /* ---- approximate -------------------------------------------------------------- */
 
-/* FLANN 1.9.2 takes 15 s to tune itself to 1,250 points, and at 2,800 it may not
- * come to an end at all (AutotunedIndex::optimizeKDTree). */
-enum { MOST_TUNED = 1000 };
-
 typedef struct Job {
   const char *name;
   const StyPoints *points;
@@ -129,23 +126,69 @@ static StyStatus build_row(void *context, long j, StyError *error) {
   return status;
 }
 
-static StyStatus build_approximate(const char *name, const StySites *sites, struct FLANNParameters parameters,
-                                   StyLut *lut, const StyRun *run, StyError *error) {
+/* ---- as many checks as an aim takes ------------------------------------------- */
+
+/* Of the table's texels so many, evenly spaced, say how often the forest is right. */
+enum { MOST_SAMPLED = 256, LEAST_CHECKS = 8 };
+
+typedef struct Sample {
+  StyQuery queries[MOST_SAMPLED];
+  double least[MOST_SAMPLED]; /* of each, over all points */
+  int count;
+} Sample;
+
+static void take_sample(const Job *job, Sample *sample) {
+  const StyMeasure *measure = &job->points->measure;
+  const size_t texels = sty_count_texels(&job->lut->spec), width = (size_t)job->lut->spec.width;
+  sample->count = texels < MOST_SAMPLED ? (int)texels : MOST_SAMPLED;
+  for (int s = 0; s < sample->count; s++) {
+    const size_t texel = (size_t)s * texels / (size_t)sample->count;
+    StyQuery *query = &sample->queries[s];
+    sty_make_query(measure, job->lut, (int)(texel % width), (int)(texel / width), query);
+    sample->least[s] = INFINITY;
+    for (size_t p = 0; p < job->points->count; p++)
+      sample->least[s] = fmin(sample->least[s], sty_measure_point(job->points, p, query));
+  }
+}
+
+static int count_right(const Job *job, Index *index, const Sample *sample) {
+  const StySearch search = {job->points, index, find_nearest, find_within};
+  int right = 0;
+  for (int s = 0; s < sample->count; s++) {
+    int found = -1;
+    if (find_nearest(&search, sample->queries[s].at, 1, &found) && found >= 0 && (size_t)found < job->points->count)
+      right += sty_measure_point(job->points, (size_t)found, &sample->queries[s]) <= sample->least[s];
+  }
+  return right;
+}
+
+/* Doubles the checks until the aim is met, or all points are looked at. FLANN's own
+ * tuning (FLANN_INDEX_AUTOTUNED) takes ties for errors: where a guide has many, it
+ * takes minutes, and at 2,800 points it may not come to an end. */
+static StyStatus tune_checks(const Job *job, Index *index, double aim, StyError *error) {
+  Sample *sample = malloc(sizeof *sample);
+  if (!sample) return sty_fail_memory(error, job->name, (double)sizeof *sample);
+  take_sample(job, sample);
+  index->parameters.checks = LEAST_CHECKS;
+  while (count_right(job, index, sample) < aim * sample->count && (size_t)index->parameters.checks < job->points->count)
+    index->parameters.checks *= 2;
+  free(sample);
+  return STY_OK;
+}
+
+/* `aim`: the share of exact answers to choose the checks for; 0: they are given. */
+static StyStatus build_forest(const char *name, const StySites *sites, struct FLANNParameters parameters, double aim,
+                              StyLut *lut, const StyRun *run, StyError *error) {
   StyPoints points;
   StyStatus status = sty_collapse_sites(sites, &lut->spec, &points, error);
   if (status) return status;
   lut->unique = points.count;
   Index index = {NULL, parameters};
-  if (parameters.algorithm == FLANN_INDEX_AUTOTUNED && points.count > MOST_TUNED)
-    status =
-        sty_fail(error, STY_ERROR_INPUT,
-                 "engine %s: found %zu distinct values, expected at most %d: FLANN takes too long to tune itself to "
-                 "more",
-                 name, points.count, MOST_TUNED);
-  if (!status) status = open_index(name, &points, &index, error);
+  status = open_index(name, &points, &index, error);
   if (!status) {
     Job job = {name, &points, &index, lut};
-    status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);
+    if (aim > 0) status = tune_checks(&job, &index, aim, error);
+    if (!status) status = sty_parallel_for(run, lut->spec.height, build_row, &job, error);
     close_index(&index);
   }
   sty_free_points(&points);
@@ -157,15 +200,12 @@ StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *
   struct FLANNParameters parameters = get_parameters(FLANN_INDEX_KDTREE);
   parameters.trees = options->trees;
   parameters.checks = options->checks;
-  return build_approximate("flann-forest", sites, parameters, lut, run, error);
+  return build_forest("flann-forest", sites, parameters, 0, lut, run, error);
 }
 
 StyStatus sty_build_flann_auto(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                                StyError *error) {
-  struct FLANNParameters parameters = get_parameters(FLANN_INDEX_AUTOTUNED);
-  parameters.target_precision = (float)options->precision;
-  parameters.build_weight = 0.01f;
-  parameters.memory_weight = 0;
-  parameters.sample_fraction = 0.1f;
-  return build_approximate("flann-auto", sites, parameters, lut, run, error);
+  struct FLANNParameters parameters = get_parameters(FLANN_INDEX_KDTREE);
+  parameters.trees = sty_default_engine_options.trees;
+  return build_forest("flann-auto", sites, parameters, options->precision, lut, run, error);
 }

@@ -192,7 +192,6 @@ engine [a-z-]+, exact; distance'
   ! "$STYLUT" --version | grep -q CGAL || refuse 1 cgal "${good[@]}" -e cgal
   refuse 1 kd match sphere.exr creature.exr -e kd -o out.exr
   refuse 1 --checks match sphere.exr creature.exr -e flann-forest --checks 0 -o out.exr
-  refuse 3 flann-auto match sphere.exr creature.exr -e flann-auto -o out.exr
   # Numbers that are none, and too large ones; where nothing is covered they don't matter.
   oiiotool paths.exr --ch full.R,A --mulc 2000,1 -o large.exr
   refuse 3 'large.exr: found full.R = ' match large.exr paths.exr --channels full.R -o out.exr

@@ -715,7 +715,7 @@ static void test_forest_options(void **state) {
   sty_destroy_image(&guide);
 }
 
-/* Few: FLANN times itself for half a second at least, and beyond a thousand points for ten seconds to minutes. */
+/* Checks are chosen by a sample. */
 static void test_autotuned(void **state) {
   (void)state;
   uint64_t random = 22;

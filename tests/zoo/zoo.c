@@ -133,14 +133,11 @@ static void begin_table(void) {
   alarm(10 * PATIENCE);
 }
 
-/* From look to look: all of them, but every third where a table takes long: of a
- * million pixels, and of flann-auto, which tunes itself to however little there is. */
-static int get_step(const ZooCase *zoo, const StyEngine *engine) {
-  return is_zoo_case_large(zoo) || (engine && strcmp(engine->name, "flann-auto") == 0) ? 3 : 1;
-}
+/* From look to look: all of them, but every third of a million pixels. */
+static int get_step(const ZooCase *zoo) { return is_zoo_case_large(zoo) ? 3 : 1; }
 
 static void build_references(Subject *subject, ZooVerdict *verdict) {
-  for (int look = 0; look < ZOO_LOOKS && verdict->outcome != ZOO_BROKEN; look += get_step(subject->zoo, NULL)) {
+  for (int look = 0; look < ZOO_LOOKS && verdict->outcome != ZOO_BROKEN; look += get_step(subject->zoo)) {
     const StyLutSpec spec = describe_zoo_look(look, subject->zoo->table);
     const StyRun run = {.threads = 1};
     StyError error = {STY_OK, ""};
@@ -152,14 +149,14 @@ static void build_references(Subject *subject, ZooVerdict *verdict) {
 }
 
 static void run_engine(Subject *subject, const StyEngine *engine, ZooVerdict *verdict) {
-  for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo, engine)) {
+  for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo)) {
     begin_table();
     judge_engine(subject->guide, subject->sites, engine, subject->references[look], verdict);
   }
 }
 
 static void run_resolve(Subject *subject, ZooVerdict *verdict) {
-  for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo, NULL)) {
+  for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo)) {
     begin_table();
     judge_resolve(subject->guide, subject->sites, subject->references[look], verdict);
     begin_table();
@@ -416,15 +413,14 @@ static void print_page(const Page *page) {
       "differ in kind, both are named.\n\n"
       "## stylut\n\n"
       "Every engine builds eight tables of each guide: three samplings, two maps, two metrics; of a million\n"
-      "pixels three of these, and so does flann-auto, which tunes itself first, of any. `grid` does it once for\n"
-      "each vector unit. `brute` is the reference.\n\n");
+      "pixels three of these. `grid` does it once for each vector unit. `brute` is the reference.\n\n");
   print_table(page, 0, page->ours);
   printf(
       "- **exact**: the bytes of brute force, pixels and distances, ties included.\n"
       "- **recall, excess**: engines that don't claim exactness: the share of texels that hold a pixel as near as any\n"
       "  (rounded down), and the most that one is too far, in guide units. Every answer is a covered pixel.\n"
       "- **declined**: the engine says that it isn't for such a guide: analytic is for spheres that fill the\n"
-      "  picture (by xy), flann-auto for up to 1,000 distinct values.\n"
+      "  picture (by xy).\n"
       "- **refused**: one line that names the pixel or the value, the same from every engine.\n"
       "- **coherent**: `--resolve coherent` on the exact tables, with slacks of 2 levels and of 0: no texel beyond\n"
       "  the slack; jumps are neighbouring texels on source pixels far apart, before and after (2 levels), never more\n"
