@@ -148,7 +148,8 @@ static const struct argp_option engine_options[] = {
      0},
     {"trees", KEY_TREES, "N", 0, "trees of flann-forest, 1 to 64 (default: 4)", 0},
     {"checks", KEY_CHECKS, "N", 0, "leaves that flann-forest looks at (default: 32)", 0},
-    {"precision", KEY_PRECISION, "SHARE", 0, "exact answers that flann-auto aims at, on a sample of what is asked, 0.01 to 1 (default: 0.9)", 0},
+    {"precision", KEY_PRECISION, "SHARE", 0,
+     "exact answers that flann-auto aims at, on a sample of what is asked, 0.01 to 1 (default: 0.9)", 0},
     {0},
 };
 
