@@ -262,18 +262,18 @@ typedef struct Account {
 static StyStatus print_report(const Arguments *arguments, const Work *work, const Account *account, StyError *error) {
   static const char *const stages[] = {"load", "read", "transfer", "blend", "write"};
   const double share = account->covered ? (double)account->fallback / (double)account->covered : 0;
-  if (arguments->options.json)
-    return print_json(
-        json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->frame.width,
-                  work->frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
-                  pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
-        error);
   if (share > hopeless)
     warn(&arguments->options,
          "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the same convention "
          "as "
          "the bundle's guide",
          clean_text(arguments->guide), 100 * share);
+  if (arguments->options.json)
+    return print_json(
+        json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->frame.width,
+                  work->frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
+                  pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
+        error);
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
          work->frame.width, work->frame.height, account->covered, 100 * share);
