@@ -264,9 +264,8 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
   const double share = account->covered ? (double)account->fallback / (double)account->covered : 0;
   if (share > hopeless)
     warn(&arguments->options,
-         "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the same convention "
-         "as "
-         "the bundle's guide",
+         "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the convention of "
+         "the bundle's guide, or a larger threshold",
          clean_text(arguments->guide), 100 * share);
   if (arguments->options.json)
     return print_json(

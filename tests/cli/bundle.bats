@@ -292,7 +292,7 @@ check_silhouette() { # FRAME
 style_with() { # PARAMS NUMBER
   write_styles "oil oil128.png \"params\": $1" >p.json
   accept pack p.json -o bundle
-  accept stylize bundle --guide frame.exr --no-history -o p.png --format json
+  accept stylize bundle --guide frame.exr --no-history -o p.png --format json -q
   cp p.png "$BATS_TEST_TMPDIR/desk/$2.png"
   printf '%s' "$output" >"$BATS_TEST_TMPDIR/desk/$2.json"
 }
