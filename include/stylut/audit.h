@@ -28,8 +28,7 @@ extern const char *const sty_weights_names[]; /* NULL-terminated, in the enum's 
 typedef struct StyAuditOptions {
   double tolerance; /* coverage, guide units */
   double precision; /* of the guide, guide units: for ambiguity and stability. 0: see sty_get_precision */
-  double
-      jump; /* J, source pixels. 0: 4 * longer side of the source / longer side of the table, or 1 where that is less */
+  double jump;      /* J, source pixels. 0: 4 * longer side of the source / that of the table, 1 at least */
   StyWeights weights;
   const StyImage *const *frames; /* guides, for STY_WEIGHT_FRAMES */
   int frame_count;
@@ -129,10 +128,11 @@ enum { STY_MOST_CANDIDATES = 48 };
  * *spec, and with both maps where `any_map` is set and the sampling allows it;
  * finds the one with the fewest bytes whose lookup p99 is at most `budget`
  * degrees, after three halvings between the first that meets it and the last that
- * doesn't (errors fall only by and large with size). Growing ends two sizes after the budget is met, so that one sees
- * what more would buy, or when three sizes in a row bring no more than 1 %. `candidates` has room for
- * STY_MOST_CANDIDATES and receives all that were tried, by bytes; *chosen is the one to take, or -1 where none will do.
- */
+ * doesn't (errors fall only by and large with size). Growing ends two sizes after
+ * the budget is met, so that one sees what more would buy, or when three sizes in a
+ * row bring no more than 1 %. `candidates` has room for STY_MOST_CANDIDATES and
+ * receives all that were tried, by bytes; *chosen is the one to take, or -1 where
+ * none will do. */
 StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, bool any_map,
                           StyEncoding encoding, const StyAuditOptions *options, double budget, const StyRun *run,
                           StyCandidate *candidates, int *count, int *chosen, StyError *error);
