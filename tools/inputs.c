@@ -1,6 +1,5 @@
 #include "inputs.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "stylut/file.h"
@@ -43,31 +42,6 @@ static void warn_about_normals(const Options *options, const char *path, const S
 StyStatus read_guide(const Options *options, const char *path, StyImage **out, StyError *error) {
   const StyStatus status = import_guide(path, out, error);
   if (!status) warn_about_normals(options, path, *out);
-  return status;
-}
-
-static StyStatus check_values(const char *path, const StyImage *guide, StyError *error) {
-  static const char *const names[] = {"normal.X", "normal.Y", "normal.Z"};
-  const float *covered = sty_find_channel(guide, "A");
-  for (int k = 0; k < 3; k++) {
-    const float *values = sty_find_channel(guide, names[k]);
-    for (size_t p = 0; p < sty_count_pixels(guide); p++)
-      if (covered[p] > 0 && !(fabsf(values[p]) <= STY_MAX_GUIDE_VALUE))
-        return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %g at pixel (%zu, %zu), expected a value within %g",
-                        path, names[k], (double)values[p], p % (size_t)guide->width, p / (size_t)guide->width,
-                        (double)STY_MAX_GUIDE_VALUE);
-  }
-  return STY_OK;
-}
-
-StyStatus read_frame(const Options *options, const char *path, StyImage **out, StyError *error) {
-  StyImage *guide = NULL;
-  StyStatus status = read_guide(options, path, &guide, error);
-  if (!status) status = check_values(path, guide, error);
-  if (status)
-    sty_destroy_image(&guide);
-  else
-    *out = guide;
   return status;
 }
 
@@ -122,7 +96,7 @@ int append_frames(const Frames *frames, const char **files, int count) {
 
 StyStatus read_frames(const Options *options, const Frames *frames, StyImage *out[MOST_FRAMES], StyError *error) {
   StyStatus status = STY_OK;
-  for (int f = 0; !status && f < frames->count; f++) status = read_frame(options, frames->files[f], &out[f], error);
+  for (int f = 0; !status && f < frames->count; f++) status = read_guide(options, frames->files[f], &out[f], error);
   return status;
 }
 

@@ -11,9 +11,6 @@
  * is then hardly a guide (a painting, say), or one of another convention. */
 StyStatus read_guide(const Options *options, const char *path, StyImage **out, StyError *error);
 
-/* The same for what lookups are made with: values beyond STY_MAX_GUIDE_VALUE are refused. */
-StyStatus read_frame(const Options *options, const char *path, StyImage **out, StyError *error);
-
 /* Reads a guide for the sake of these channels: as the file has them, or, where it
  * lacks coverage or normals that are asked for, as read_guide finds them. */
 StyStatus read_features(const char *path, const StyFeature *features, int count, StyImage **out, StyError *error);

@@ -1,250 +1,16 @@
 /* stylut lut GUIDE */
-#include "stylut/lut.h"
-
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
-#include "inputs.h"
-#include "options.h"
+#include "lut_arguments.h"
 #include "stylut/audit.h"
 #include "stylut/image_io.h"
-#include "stylut/parse.h"
-
-typedef struct Arguments {
-  Options options;
-  const char *guide;
-  int size;                  /* 0: the smallest that meets the budget; DEFAULT_SIZE: not given */
-  int sampling, map, metric; /* the spec's enums; map -1: either */
-  double max_p99;            /* degrees; 0: no budget */
-  Frames frames;
-  const StyEngine *engine;
-  StyFeature features[STY_MOST_DIMS]; /* of a cube */
-  int feature_count;                  /* 0: a flat table */
-  long long max_memory;               /* bytes; 0: not given */
-  int resolve;                        /* index of resolve_names */
-  double slack;                       /* 8-bit levels; below 0: not given */
-  int encoding;                       /* a StyEncoding, or -1: by the output's ending */
-} Arguments;
-
-enum {
-  KEY_SAMPLING = 0x200,
-  KEY_ENCODING,
-  KEY_MAP,
-  KEY_METRIC,
-  KEY_CHANNELS,
-  KEY_MAX_MEMORY,
-  KEY_RESOLVE,
-  KEY_SLACK,
-  KEY_MAX_P99,
-  KEY_FRAMES
-};
-
-enum { MAP_ANY = -1, DEFAULT_SIZE = -1 };
-
-static const long long default_max_memory = 1LL << 30;
 
 /* Among the candidates of --size auto, so many smaller and larger ones are shown. */
 enum { SHOWN = 2 };
-
-static const char *const resolve_names[] = {"nearest", "coherent", "frames", "both", NULL};
-enum { RESOLVE_NEAREST, RESOLVE_COHERENT, RESOLVE_FRAMES, RESOLVE_BOTH };
-static const double default_slack = 2;
-
-static const struct argp_option options_table[] = {
-    {"size", 's', "N|auto", 0,
-     "texels a side, or auto: the smallest table found that meets --max-p99, encoding included, in steps of 1.41 and "
-     "three halvings (default: 256; 64 with --channels)",
-     0},
-    {"max-p99", KEY_MAX_P99, "DEG", 0, "for --size auto: the lookup error that 99 % of the lookups stay within", 0},
-    {"frames", KEY_FRAMES, "FILE...", 0,
-     "guides of real frames: with --size auto their lookups count, with --resolve frames or both they are served", 0},
-    {"sampling", KEY_SAMPLING, "KIND", 0,
-     "what texels answer for: centre, their centres; unorm8, byte values, exactly; corner, their lower left corners, "
-     "as StyleBlitUnity's (default: centre)",
-     0},
-    {"map", KEY_MAP, "KIND", 0,
-     "where values stand: xy; equal-area: every texel covers the same solid angle; or, with --size auto, auto: "
-     "whichever does with less (default: xy)",
-     0},
-    {"metric", KEY_METRIC, "KIND", 0, "what nearest means: xy, or angle between normals (default: xy)", 0},
-    {"encoding", KEY_ENCODING, "KIND", 0, "f32 (EXR), rg16, rg8x2 or rg8 (PNG) (default: f32 for .exr, rg16 for .png)",
-     0},
-    {"resolve", KEY_RESOLVE, "KIND", 0,
-     "which of the pixels within the slack: nearest; coherent: neighbouring texels on neighbouring pixels, so that a "
-     "style doesn't pop when a surface turns; frames: those that make the largest pieces in --frames; or both, weighed "
-     "(default: nearest)",
-     0},
-    {"slack", KEY_SLACK, "LEVELS", 0,
-     "how much farther than the nearest such a choice may be, in 8-bit levels (default: 2)", 0},
-    {"channels", KEY_CHANNELS, "LIST", 0,
-     "a table of three dimensions, N x N x N texels, over these three channels, as in normal.X,normal.Y,luma.Y:0.5; "
-     "a number after a colon weighs the channel's distances; axes run from 0 to 1, those of normal.* from -1 to 1",
-     0},
-    {"max-memory", KEY_MAX_MEMORY, "BYTES", 0,
-     "refuse a table of three dimensions that takes more; K, M and G may follow (default: 1G)", 0},
-    {0},
-};
-
-/* What is meant for flat tables, or NULL. */
-static const char *find_flat_option(const Arguments *arguments) {
-  return arguments->size == 0                       ? "--size auto"
-         : arguments->max_p99 > 0                   ? "--max-p99"
-         : arguments->frames.count                  ? "--frames"
-         : arguments->sampling != STY_SAMPLE_CENTRE ? "--sampling"
-         : arguments->map != STY_MAP_XY             ? "--map"
-         : arguments->metric != STY_METRIC_XY       ? "--metric"
-         : arguments->resolve != RESOLVE_NEAREST    ? "--resolve"
-                                                    : NULL;
-}
-
-/* Of a cube: its texels, and the bytes of table and picture. */
-static void measure_cube(const Arguments *arguments, double *texels, double *bytes) {
-  const int channels = arguments->encoding == STY_ENCODE_RG8X2 ? 4 : 3;
-  *texels = pow(arguments->size, 3);
-  *bytes = *texels * (sizeof(uint32_t) + sizeof(float) * (size_t)(1 + channels));
-}
-
-static StyStatus check_cube(Arguments *arguments) {
-  StyError *error = &arguments->options.error;
-  const char *option = find_flat_option(arguments);
-  if (option)
-    return sty_fail(error, STY_ERROR_USAGE, "--channels: found with %s, which is for flat tables, expected one of them",
-                    option);
-  const long long limit = arguments->max_memory ? arguments->max_memory : default_max_memory;
-  double texels, bytes;
-  measure_cube(arguments, &texels, &bytes);
-  if (bytes > (double)limit)
-    return sty_fail(error, STY_ERROR_USAGE,
-                    "--size: found %d, %.0f texels (%d^3) that take %.0f bytes, expected at most --max-memory %lld",
-                    arguments->size, texels, arguments->size, bytes, limit);
-  if (arguments->size > STY_MAX_CUBE)
-    return sty_fail(error, STY_ERROR_USAGE, "--size: found %d, expected 1 to %d for three dimensions", arguments->size,
-                    STY_MAX_CUBE);
-  return STY_OK;
-}
-
-static StyStatus check_resolve(Arguments *arguments) {
-  StyError *error = &arguments->options.error;
-  const bool serves = arguments->resolve == RESOLVE_FRAMES || arguments->resolve == RESOLVE_BOTH;
-  if (serves && !arguments->frames.count)
-    return sty_fail(error, STY_ERROR_USAGE, "--resolve: found %s without --frames, expected the frames to serve",
-                    resolve_names[arguments->resolve]);
-  if (arguments->resolve != RESOLVE_NEAREST && !arguments->engine->exact)
-    return sty_fail(error, STY_ERROR_USAGE,
-                    "--resolve: found %s with engine %s, expected an exact one, from whose "
-                    "distances the slack is counted",
-                    resolve_names[arguments->resolve], arguments->engine->name);
-  if (arguments->size == 0 && !arguments->engine->exact)
-    return sty_fail(error, STY_ERROR_USAGE,
-                    "--size: found auto with engine %s, expected an exact one, which the budget is for",
-                    arguments->engine->name);
-  if (arguments->resolve != RESOLVE_NEAREST && arguments->size == 0)
-    return sty_fail(error, STY_ERROR_USAGE,
-                    "--size: found auto with --resolve %s, expected a number: budgets are those of the nearest",
-                    resolve_names[arguments->resolve]);
-  if (arguments->frames.count && !serves && arguments->size != 0 && !arguments->feature_count)
-    return sty_fail(error, STY_ERROR_USAGE,
-                    "--frames: found without use, expected them with --size auto or --resolve frames or both");
-  if (arguments->slack >= 0 && arguments->resolve == RESOLVE_NEAREST)
-    return sty_fail(error, STY_ERROR_USAGE, "--slack: found with --resolve nearest, expected coherent, frames or both");
-  if (arguments->slack < 0) arguments->slack = default_slack;
-  return STY_OK;
-}
-
-static StyStatus check_arguments(Arguments *arguments) {
-  StyError *error = &arguments->options.error;
-  const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
-  const int count = append_frames(&arguments->frames, inputs, 1);
-  if (arguments->size == DEFAULT_SIZE) arguments->size = arguments->feature_count ? 64 : 256;
-  StyStatus status = arguments->feature_count
-                         ? choose_engine(&arguments->options, STY_TASK_CUBE_OR_FIELD, 3, &arguments->engine)
-                         : choose_engine(&arguments->options, STY_TASK_TABLE, 2, &arguments->engine);
-  if (!status) status = require_argument(&arguments->options, arguments->guide, "the guide's file name");
-  if (!status && arguments->size == 0 && !(arguments->max_p99 > 0))
-    status = sty_fail(error, STY_ERROR_USAGE, "--size auto: found no --max-p99, expected the error to stay within");
-  if (!status && arguments->size != 0 && (arguments->max_p99 > 0 || arguments->map == MAP_ANY))
-    status = sty_fail(error, STY_ERROR_USAGE, "--size: found %d with %s, expected auto", arguments->size,
-                      arguments->max_p99 > 0 ? "--max-p99" : "--map auto");
-  if (!status) status = check_resolve(arguments);
-  if (!status && !arguments->feature_count && arguments->max_memory)
-    status = sty_fail(error, STY_ERROR_USAGE, "--max-memory: found without --channels, expected three dimensions");
-  if (!status) status = require_output(&arguments->options);
-  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, inputs, count);
-  StyImageFormat format = STY_IMAGE_EXR;
-  if (!status) status = sty_get_image_format(arguments->options.output, &format, error);
-  if (status) return status;
-  const bool exr = format == STY_IMAGE_EXR;
-  if (arguments->encoding < 0) arguments->encoding = exr ? STY_ENCODE_F32 : STY_ENCODE_RG16;
-  if (exr != (arguments->encoding == STY_ENCODE_F32))
-    return sty_fail(error, STY_ERROR_USAGE, "--encoding: found %s for %s, expected %s",
-                    sty_encoding_names[arguments->encoding], arguments->options.output,
-                    exr ? "f32, or a name ending in .png" : "rg16, rg8x2 or rg8, or a name ending in .exr");
-  return arguments->feature_count ? check_cube(arguments) : STY_OK;
-}
-
-static StyStatus set_size(Arguments *arguments, const char *text) {
-  long long number = 0;
-  StyStatus status = STY_OK;
-  if (strcmp(text, "auto") != 0)
-    status = sty_parse_integer("--size", text, 1, STY_MAX_LUT_SIZE, &number, &arguments->options.error);
-  if (!status) arguments->size = (int)number;
-  return status;
-}
-
-static StyStatus set_map(Arguments *arguments, const char *text) {
-  if (strcmp(text, "auto") != 0)
-    return sty_parse_choice("--map", text, sty_map_names, &arguments->map, &arguments->options.error);
-  arguments->map = MAP_ANY;
-  return STY_OK;
-}
-
-static error_t parse_option(int key, char *text, struct argp_state *state) {
-  Arguments *arguments = state->input;
-  StyError *error = &arguments->options.error;
-  StyStatus status = STY_OK;
-  begin_option(key, text, state);
-  switch (key) {
-    case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG:
-      status = take_argument_or_frame(&arguments->options, &arguments->guide, &arguments->frames, text);
-      break;
-    case ARGP_KEY_END: status = check_arguments(arguments); break;
-    case 's': status = set_size(arguments, text); break;
-    case KEY_MAX_P99: status = sty_parse_number("--max-p99", text, 1e-6, 180, &arguments->max_p99, error); break;
-    case KEY_FRAMES: status = add_frame(&arguments->frames, text, error); break;
-    case KEY_SAMPLING:
-      status = sty_parse_choice("--sampling", text, sty_sampling_names, &arguments->sampling, error);
-      break;
-    case KEY_MAP: status = set_map(arguments, text); break;
-    case KEY_METRIC: status = sty_parse_choice("--metric", text, sty_metric_names, &arguments->metric, error); break;
-    case KEY_RESOLVE: status = sty_parse_choice("--resolve", text, resolve_names, &arguments->resolve, error); break;
-    case KEY_SLACK: status = sty_parse_number("--slack", text, 0, 255, &arguments->slack, error); break;
-    case KEY_CHANNELS:
-      status = sty_parse_features("--channels", text, arguments->features, &arguments->feature_count, error);
-      break;
-    case KEY_MAX_MEMORY: status = sty_parse_bytes("--max-memory", text, 1, &arguments->max_memory, error); break;
-    case KEY_ENCODING:
-      status = sty_parse_choice("--encoding", text, sty_encoding_names, &arguments->encoding, error);
-      break;
-    default: return ARGP_ERR_UNKNOWN;
-  }
-  return end_option(status);
-}
-
-static const struct argp_child children[] = {
-    {&engine_argp, 0, NULL, 0}, {&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
-static const struct argp parser = {
-    .options = options_table,
-    .parser = parse_option,
-    .args_doc = "GUIDE",
-    .doc =
-        "Builds the look-up table of a guide: for every normal, the source pixel whose normal is nearest.\v"
-        "GUIDE is an EXR with channel normal.X .Y .Z, or an 8- or 16-bit normal map. All exact engines give the "
-        "same bytes.",
-    .children = children,
-};
 
 typedef struct Account {
   size_t points, unique;
@@ -273,19 +39,19 @@ static void measure_errors(const StyLut *lut, const float *base, double *mean, d
 }
 
 /* "256x256" or "64x64x64". */
-static const char *name_sides(const Arguments *arguments, char out[64]) {
+static const char *name_sides(const LutArguments *arguments, char out[64]) {
   const int size = arguments->size;
   snprintf(out, 64, arguments->feature_count ? "%dx%dx%d" : "%dx%d", size, size, size);
   return out;
 }
 
-static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
+static StyStatus print_report(const LutArguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "build", "write"};
   if (arguments->options.json) {
     json_t *report =
         json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:f, s:o, s:f}", "schema",
                   "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact, "resolve",
-                  resolve_names[arguments->resolve], "size", arguments->size, "sampling",
+                  lut_resolve_names[arguments->resolve], "size", arguments->size, "sampling",
                   sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
                   sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points",
                   (json_int_t)account->points, "unique", (json_int_t)account->unique, "mean_distance",
@@ -307,14 +73,15 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
     printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
            account->mean_error / STY_LEVEL, account->max_error / STY_LEVEL);
   if (arguments->resolve != RESOLVE_NEAREST)
-    printf("resolve %s; of the slack of %g levels it paid: mean %.3f, max %.3f\n", resolve_names[arguments->resolve],
-           arguments->slack, account->mean_paid / STY_LEVEL, account->max_paid / STY_LEVEL);
+    printf("resolve %s; of the slack of %g levels it paid: mean %.3f, max %.3f\n",
+           lut_resolve_names[arguments->resolve], arguments->slack, account->mean_paid / STY_LEVEL,
+           account->max_paid / STY_LEVEL);
   printf("read %.1f ms, build %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
          account->times[2], get_peak_bytes() / 1e6);
   return STY_OK;
 }
 
-static StyStatus write_lut(const Arguments *arguments, const StyLut *lut, StyError *error) {
+static StyStatus write_lut(const LutArguments *arguments, const StyLut *lut, StyError *error) {
   const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
   const int count = append_frames(&arguments->frames, inputs, 1);
   StyImage *image = NULL;
@@ -353,7 +120,7 @@ static void show_candidates(const StyCandidate *candidates, int count, int chose
   }
 }
 
-static StyStatus choose_spec(Arguments *arguments, const Inputs *inputs, StyLutSpec *spec, StyError *error) {
+static StyStatus choose_spec(LutArguments *arguments, const Inputs *inputs, StyLutSpec *spec, StyError *error) {
   StyCandidate candidates[STY_MOST_CANDIDATES];
   int count = 0, chosen = -1;
   const StyAuditOptions options = {.weights = arguments->frames.count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC,
@@ -382,21 +149,21 @@ static StyStatus choose_spec(Arguments *arguments, const Inputs *inputs, StyLutS
   return STY_OK;
 }
 
-static StyStatus read_source(const Arguments *arguments, StyImage **out, StyError *error) {
+static StyStatus read_source(const LutArguments *arguments, StyImage **out, StyError *error) {
   return arguments->feature_count
              ? read_features(arguments->guide, arguments->features, arguments->feature_count, out, error)
              : read_guide(&arguments->options, arguments->guide, out, error);
 }
 
 /* What lies beyond the axes of a cube (see lut.h) can't be looked up. */
-static void warn_about_axes(const Arguments *arguments, const StySites *sites) {
+static void warn_about_axes(const LutArguments *arguments, const StySites *sites) {
   size_t outside = 0;
   for (size_t s = 0; s < sites->count; s++) {
     bool inside = true;
     for (int k = 0; k < 3; k++) {
       const StyFeature *feature = &sites->features[k];
       const double value = (double)sites->values[3 * s + (size_t)k] / (double)feature->weight;
-      const double least = strncmp(feature->channel, "normal.", 7) == 0 ? -1 : 0;
+      const double least = (double)sty_get_axis_start(feature->channel);
       inside = inside && value >= least - 1e-3 && value <= 1 + 1e-3;
     }
     outside += !inside;
@@ -407,7 +174,7 @@ static void warn_about_axes(const Arguments *arguments, const StySites *sites) {
          clean_text(arguments->guide), 100 * (double)outside / (double)sites->count);
 }
 
-static StyStatus collect(const Arguments *arguments, const StyImage *guide, StySites **out, StyError *error) {
+static StyStatus collect(const LutArguments *arguments, const StyImage *guide, StySites **out, StyError *error) {
   if (!arguments->feature_count) return sty_collect_sites(arguments->guide, guide, out, error);
   StySites *sites = NULL;
   const StyStatus status =
@@ -425,7 +192,7 @@ static StyStatus collect(const Arguments *arguments, const StyImage *guide, StyS
   return STY_ERROR_USAGE;
 }
 
-static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLut *lut, Account *account,
+static StyStatus resolve(const LutArguments *arguments, const Inputs *inputs, StyLut *lut, Account *account,
                          StyError *error) {
   if (arguments->resolve == RESOLVE_NEAREST) return STY_OK;
   const size_t size = sty_count_texels(&lut->spec) * sizeof *lut->errors;
@@ -446,7 +213,7 @@ static StyStatus resolve(const Arguments *arguments, const Inputs *inputs, StyLu
   return status;
 }
 
-static StyStatus build(const Arguments *arguments, const Inputs *inputs, const StyLutSpec *spec, StyLut **out,
+static StyStatus build(const LutArguments *arguments, const Inputs *inputs, const StyLutSpec *spec, StyLut **out,
                        Account *account, StyError *error) {
   const StyEngineOptions *options = &arguments->options.engine_options;
   const StyEngine *engine = arguments->engine;
@@ -460,7 +227,7 @@ static StyStatus build(const Arguments *arguments, const Inputs *inputs, const S
   return status;
 }
 
-static StyStatus open_inputs(const Arguments *arguments, Inputs *out, Account *account, StyError *error) {
+static StyStatus open_inputs(const LutArguments *arguments, Inputs *out, Account *account, StyError *error) {
   const double start = sty_get_milliseconds();
   StyStatus status = read_source(arguments, &out->guide, error);
   if (!status) status = read_frames(&arguments->options, &arguments->frames, out->frames, error);
@@ -477,7 +244,7 @@ static void close_inputs(Inputs *inputs) {
   destroy_frames(inputs->frames);
 }
 
-static StyStatus announce(Arguments *arguments, const StySites *sites) {
+static StyStatus announce(LutArguments *arguments, const StySites *sites) {
   char sides[64], takes[64] = "";
   double texels, bytes;
   measure_cube(arguments, &texels, &bytes);
@@ -486,7 +253,7 @@ static StyStatus announce(Arguments *arguments, const StySites *sites) {
                         name_sides(arguments, sides), takes, sites->count, arguments->engine->name);
 }
 
-static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account *account, StyError *error) {
+static StyStatus make_table(LutArguments *arguments, const Inputs *inputs, Account *account, StyError *error) {
   StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
                      arguments->map == MAP_ANY ? STY_MAP_XY : (StyMap)arguments->map, (StyMetric)arguments->metric};
   StyStatus status = STY_OK;
@@ -510,7 +277,7 @@ static StyStatus make_table(Arguments *arguments, const Inputs *inputs, Account 
   return status ? status : print_report(arguments, account, error);
 }
 
-static StyStatus run(Arguments *arguments) {
+static StyStatus run(LutArguments *arguments) {
   StyError *error = &arguments->options.error;
   Account account = {0};
   Inputs inputs = {0};
@@ -521,9 +288,8 @@ static StyStatus run(Arguments *arguments) {
 }
 
 StyStatus run_lut(int argc, char **argv) {
-  Arguments arguments = {
-      .options.engine_options = sty_default_engine_options, .size = DEFAULT_SIZE, .slack = -1, .encoding = -1};
-  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  LutArguments arguments;
+  StyStatus status = parse_lut_arguments(argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);
 }

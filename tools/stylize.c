@@ -317,7 +317,7 @@ static StyStatus run(Arguments *arguments) {
   const double loaded = sty_get_milliseconds();
   Work work = {.bundle = &bundle.bundle, .bits = arguments->bits};
   StyImage *guide = NULL;
-  status = read_frame(&arguments->options, arguments->guide, &guide, error);
+  status = read_guide(&arguments->options, arguments->guide, &guide, error);
   if (!status) status = choose_style(arguments, &bundle, guide, &work.frame.style, error);
   if (!status) status = allocate_work(&work, guide, error);
   if (!status) status = fill_frame(&work, guide, error);

@@ -22,6 +22,8 @@ extern "C" {
 #define STY_MAX_NAME 128           /* bytes of a channel name, with its NUL */
 #define STY_MAX_SIDE 65536         /* pixels */
 #define STY_MAX_PIXELS (1LL << 28) /* 16384 x 16384 */
+/* Guide values that are compared lie within this; no search library is ever handed one beyond. */
+#define STY_MAX_GUIDE_VALUE 1000.0f
 
 /* What a file says about itself beside its pixels: `stylut:...` keys. */
 typedef struct StyAttribute {

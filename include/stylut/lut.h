@@ -58,8 +58,6 @@ extern "C" {
 #endif
 
 #define STY_MAX_LUT_SIZE 8192
-/* Guide values, found or asked for, lie within this; no search library is ever handed one beyond. */
-#define STY_MAX_GUIDE_VALUE 1000.0f
 
 #define STY_MOST_DIMS 32
 #define STY_MAX_CUBE 256 /* texels a side: its slices are as high as an image may be */
@@ -146,6 +144,9 @@ static inline size_t sty_count_texels(const StyLutSpec *spec) { return (size_t)s
 
 /* The guide value (g[0], g[1]) that texel (i, j) answers for. */
 void sty_get_texel_value(const StyLutSpec *spec, int i, int j, float g[2]);
+
+/* Where the axis of a cube's channel starts: -1 for channels named normal.*, 0 for others; all end at 1. */
+float sty_get_axis_start(const char *channel);
 
 /* The channels' values, without weights, that texel (i, j) of slice k of a cube answers for. */
 void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]);

@@ -71,9 +71,11 @@ static StyStatus decode_pixels(const char *name, const Source *source, StyImage 
     coverage[i] = source->alpha ? fminf(source->alpha[i], 1) : 1; /* kept: it becomes the picture's alpha */
     for (int k = 0; k < 3; k++) {
       normals[k][i] = decode_normal(source, source->planes[k][i]);
-      if (isfinite(normals[k][i])) continue;
-      return sty_fail(error, STY_ERROR_INPUT, "%s: %s is %g at pixel (%zu, %zu), expected a finite number", name,
-                      NORMALS[k], (double)normals[k][i], i % (size_t)guide->width, i / (size_t)guide->width);
+      if (fabsf(normals[k][i]) <= STY_MAX_GUIDE_VALUE) continue;
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: found %s = %g at pixel (%zu, %zu), expected a finite value within %g", name, NORMALS[k],
+                      (double)normals[k][i], i % (size_t)guide->width, i / (size_t)guide->width,
+                      (double)STY_MAX_GUIDE_VALUE);
     }
   }
   return STY_OK;

@@ -103,11 +103,12 @@ void sty_get_texel_value(const StyLutSpec *spec, int i, int j, float g[2]) {
   g[1] *= stretch;
 }
 
+float sty_get_axis_start(const char *channel) { return strncmp(channel, "normal.", 7) == 0 ? -1 : 0; }
+
 /* `step` of the steps 0, 1, ... along an axis. */
 static float get_axis_value(const StyLut *lut, int axis, int step) {
-  const bool is_normal = strncmp(lut->axes[axis].channel, "normal.", 7) == 0;
-  return is_normal ? (float)(2 * step + 1 - lut->depth) / (float)lut->depth
-                   : (float)(2 * step + 1) / (float)(2 * lut->depth);
+  return sty_get_axis_start(lut->axes[axis].channel) < 0 ? (float)(2 * step + 1 - lut->depth) / (float)lut->depth
+                                                         : (float)(2 * step + 1) / (float)(2 * lut->depth);
 }
 
 void sty_get_cube_value(const StyLut *lut, int i, int j, int k, float g[3]) {
