@@ -233,7 +233,7 @@ pictures: demo ## refresh the pictures that the README shows
 charts: ensure-test-packages ## measure and draw exemplars/charts anew, but for its bench.csv
 	@$(MAKE) --no-print-directory run-charts
 run-charts: $(TOOL) $(MODULE)
-	@exemplars/charts.sh $(TOOL) exemplars/charts $(wildcard $(or $(STYLUT_DATA),../shared/data))
+	@exemplars/charts.sh $(TOOL) exemplars/charts $(wildcard $(STYLUT_DATA))
 
 # What lut --resolve gives on turning figures; times want an idle machine here, too.
 .PHONY: coherence run-coherence

@@ -167,7 +167,7 @@ study torus oil "${measured[@]}"
 render bust "$out/bust.obj"
 study bust watercolour "${measured[@]}"
 
-data=${STYLUT_DATA:-$here/../../shared/data}/frames
+data=${STYLUT_DATA:-}/frames
 if [ -d "$data" ]; then
   data=$(cd "$data" && pwd)
   golem=("$data"/golem.00{1,2,3,4,5,6}.png)

@@ -12,9 +12,9 @@ log=$build/tests/log
 mkdir -p "$log"
 passed=0 failed=0 skipped=0
 
-# Pictures and meshes of other projects, which aren't ours to hand on; tests
-# that want them skip where they are missing.
-export STYLUT_DATA=${STYLUT_DATA:-$root/../shared/data}
+# A folder of pictures and meshes of other projects, which aren't ours to hand on;
+# tests that want them skip where there is none.
+export STYLUT_DATA=${STYLUT_DATA:-}
 
 # Leaks that aren't ours, each by the library's name; to see that name past
 # frames without pointers the slow unwinder is needed. The image module carries

@@ -54,7 +54,14 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
   switch (key) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: status = take_part(arguments, text); break;
-    case KEY_CSV: arguments->csv = text; break;
+    case ARGP_KEY_END:
+      if (arguments->options.threads)
+        status = sty_fail(error, STY_ERROR_USAGE, "--threads: found with bench, whose rows have their own numbers");
+      break;
+    case KEY_CSV:
+      arguments->csv = text;
+      status = require_folder(&arguments->options, text);
+      break;
     case KEY_REPEATS:
       status = sty_parse_integer("--repeats", text, 1, MOST_REPEATS, &number, error);
       arguments->repeats = (int)number;

@@ -122,7 +122,10 @@ static StyStatus check_outputs(Arguments *arguments) {
   arguments->format = (PlotFormat)choice;
   const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
   const int count = append_frames(&arguments->frames, inputs, 1);
-  for (int i = 0; !status && i < 2; i++) status = protect_inputs(options, outputs[i], inputs, count);
+  for (int i = 0; !status && i < 2; i++) {
+    status = protect_inputs(options, outputs[i], inputs, count);
+    if (!status && outputs[i]) status = require_folder(options, outputs[i]);
+  }
   return status;
 }
 

@@ -245,12 +245,14 @@ static StyStatus run(Arguments *arguments, Pair *pair) {
   for (int k = 0; !status && k < 2; k++) status = sty_read_image(arguments->files[k], &pair->images[k], error);
   if (!status) status = compare_pair(arguments, pair, error);
   if (status && status != STY_FILES_DIFFER) return status;
-  if (!status && arguments->options.dry_run && arguments->options.output)
-    return report_dry_run(&arguments->options, "heat map of %dx%d pixels", pair->images[0]->width,
-                          pair->images[0]->height);
   StyStatus printed = STY_OK;
-  if (pair->largest) printed = write_heat(arguments, pair, error);
-  if (!printed) printed = report(arguments, pair, error);
+  if (!status && arguments->options.dry_run && arguments->options.output) {
+    printed = report_dry_run(&arguments->options, "heat map of %dx%d pixels", pair->images[0]->width,
+                             pair->images[0]->height);
+  } else {
+    if (pair->largest) printed = write_heat(arguments, pair, error);
+    if (!printed) printed = report(arguments, pair, error);
+  }
   if (printed) return printed;
   return status ? status : judge(arguments, pair, error);
 }

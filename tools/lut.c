@@ -17,7 +17,9 @@ typedef struct Account {
   double mean_error, max_error; /* guide units, feasible texels; of a cube all, weighted */
   double mean_paid, max_paid;   /* the same, for what --resolve put above the least */
   StyFeature axes[3];           /* of a cube */
-  double times[3];              /* read, build, write */
+  StyCandidate candidates[STY_MOST_CANDIDATES];
+  int candidate_count, chosen; /* of --size auto; -1: none meets the budget */
+  double times[3];             /* read, build, write */
 } Account;
 
 /* Of the table's errors, less `base` where there is one: mean and largest. */
@@ -45,12 +47,25 @@ static const char *name_sides(const LutArguments *arguments, char out[64]) {
   return out;
 }
 
+static json_t *list_candidates(const Account *account) {
+  json_t *list = json_array();
+  for (int c = 0; c < account->candidate_count; c++) {
+    const StyCandidate *candidate = &account->candidates[c];
+    json_array_append_new(
+        list, json_pack("{s:s, s:i, s:I, s:f, s:f, s:b}", "map", sty_map_names[candidate->spec.map], "size",
+                        candidate->spec.width, "bytes", (json_int_t)candidate->bytes, "lookup_p99",
+                        candidate->lookup.p99, "lookup_mean", candidate->lookup.mean, "chosen", c == account->chosen));
+  }
+  return list;
+}
+
 static StyStatus print_report(const LutArguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "build", "write"};
   if (arguments->options.json) {
     json_t *report =
         json_pack("{s:s, s:s, s:b, s:s, s:i, s:s, s:s, s:s, s:s, s:I, s:I, s:f, s:f, s:f, s:f, s:o, s:f}", "schema",
-                  "stylut-lut/1", "engine", arguments->engine->name, "exact", arguments->engine->exact, "resolve",
+                  "stylut-lut/1", "engine", arguments->engine->name, "exact",
+                  arguments->engine->exact && arguments->resolve == RESOLVE_NEAREST, "resolve",
                   lut_resolve_names[arguments->resolve], "size", arguments->size, "sampling",
                   sty_sampling_names[arguments->sampling], "map", sty_map_names[arguments->map], "metric",
                   sty_metric_names[arguments->metric], "encoding", sty_encoding_names[arguments->encoding], "points",
@@ -58,6 +73,7 @@ static StyStatus print_report(const LutArguments *arguments, const Account *acco
                   account->mean_error, "max_distance", account->max_error, "mean_paid", account->mean_paid, "max_paid",
                   account->max_paid, "time_ms", pack_times(stages, account->times, 3), "peak_bytes", get_peak_bytes());
     if (arguments->feature_count) pack_features(report, account->axes, 3);
+    if (account->candidate_count) json_object_set_new(report, "candidates", list_candidates(account));
     return print_json(report, error);
   }
   if (arguments->options.quiet) return STY_OK;
@@ -67,10 +83,10 @@ static StyStatus print_report(const LutArguments *arguments, const Account *acco
   printf("%s: %s texels from %zu source pixels%s\n", clean_text(arguments->options.output),
          name_sides(arguments, texels), account->points, distinct);
   if (arguments->feature_count)
-    printf("engine %s; weighted distance to the nearest value: mean %.5f, max %.5f\n", arguments->engine->name,
+    printf("engine %s; weighted distance to the value chosen: mean %.5f, max %.5f\n", arguments->engine->name,
            account->mean_error, account->max_error);
   else
-    printf("engine %s; distance to the nearest value, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
+    printf("engine %s; distance to the value chosen, in 8-bit levels: mean %.3f, max %.3f\n", arguments->engine->name,
            account->mean_error / STY_LEVEL, account->max_error / STY_LEVEL);
   if (arguments->resolve != RESOLVE_NEAREST)
     printf("resolve %s; of the slack of %g levels it paid: mean %.3f, max %.3f\n",
@@ -85,7 +101,7 @@ static StyStatus write_lut(const LutArguments *arguments, const StyLut *lut, Sty
   const char *inputs[1 + MOST_FRAMES] = {arguments->guide};
   const int count = append_frames(&arguments->frames, inputs, 1);
   StyImage *image = NULL;
-  if (arguments->encoding == STY_ENCODE_RG8 && (lut->source_width > 255 || lut->source_height > 255))
+  if (arguments->encoding == STY_ENCODE_RG8 && (lut->source_width > 256 || lut->source_height > 256))
     warn(
         &arguments->options,
         "--encoding: found rg8 for a source of %d x %d pixels, of which 8 bits can't name each; expected rg16 or rg8x2",
@@ -109,41 +125,50 @@ static const char *name_bytes(size_t bytes, char out[32]) {
   return out;
 }
 
-/* What was chosen, or came nearest, and what its neighbours would cost and buy. */
-static void show_candidates(const StyCandidate *candidates, int count, int chosen) {
-  for (int c = 0; c < count; c++) {
-    if (c < chosen - SHOWN || c > chosen + SHOWN) continue;
+/* Of --size auto: what was chosen, or came nearest, and what its neighbours would cost and buy. */
+static void show_candidates(const Account *account, int marked) {
+  for (int c = 0; c < account->candidate_count; c++) {
+    const StyCandidate *candidate = &account->candidates[c];
+    if (c < marked - SHOWN || c > marked + SHOWN) continue;
     char bytes[32];
-    printf("%s %-10s %4d: %9s, lookup p99 %.3f, mean %.3f degrees\n", c == chosen ? "*" : " ",
-           sty_map_names[candidates[c].spec.map], candidates[c].spec.width, name_bytes(candidates[c].bytes, bytes),
-           candidates[c].lookup.p99, candidates[c].lookup.mean);
+    printf("%s %-10s %4d: %9s, lookup p99 %.3f, mean %.3f degrees\n", c == marked ? "*" : " ",
+           sty_map_names[candidate->spec.map], candidate->spec.width, name_bytes(candidate->bytes, bytes),
+           candidate->lookup.p99, candidate->lookup.mean);
   }
 }
 
-static StyStatus choose_spec(LutArguments *arguments, const Inputs *inputs, StyLutSpec *spec, StyError *error) {
-  StyCandidate candidates[STY_MOST_CANDIDATES];
-  int count = 0, chosen = -1;
+/* The budget is out of reach: says what comes nearest. */
+static StyStatus fail_budget(const LutArguments *arguments, const Account *account, StyError *error) {
+  int best = 0;
+  for (int c = 1; c < account->candidate_count; c++)
+    if (account->candidates[c].lookup.p99 < account->candidates[best].lookup.p99) best = c;
+  const StyCandidate *candidate = &account->candidates[best];
+  if (!arguments->options.quiet && !arguments->options.json) show_candidates(account, best);
+  StyStatus status = STY_OK;
+  if (arguments->options.json)
+    status = print_json(
+        json_pack("{s:s, s:n, s:o}", "schema", "stylut-lut/1", "size", "candidates", list_candidates(account)), error);
+  return status ? status
+                : sty_fail(error, STY_CHECK_FAILED,
+                           "--max-p99: found %.4g degrees at best (%s, size %d), expected at most %.4g",
+                           candidate->lookup.p99, sty_map_names[candidate->spec.map], candidate->spec.width,
+                           arguments->max_p99);
+}
+
+static StyStatus choose_spec(LutArguments *arguments, const Inputs *inputs, StyLutSpec *spec, Account *account,
+                             StyError *error) {
   const StyAuditOptions options = {.weights = arguments->frames.count ? STY_WEIGHT_FRAMES : STY_WEIGHT_DISC,
                                    .frames = (const StyImage *const *)inputs->frames,
                                    .frame_count = arguments->frames.count};
   const StyRun run = begin_progress(&arguments->options, "choosing");
-  const StyStatus status =
-      sty_choose_size(inputs->sites, inputs->guide, spec, arguments->map == MAP_ANY, (StyEncoding)arguments->encoding,
-                      &options, arguments->max_p99, &run, candidates, &count, &chosen, error);
+  const StyStatus status = sty_choose_size(inputs->sites, inputs->guide, spec, arguments->map == MAP_ANY,
+                                           (StyEncoding)arguments->encoding, &options, arguments->max_p99, &run,
+                                           account->candidates, &account->candidate_count, &account->chosen, error);
   end_progress(&arguments->options);
   if (status) return status;
-  if (chosen < 0) {
-    int best = 0;
-    for (int c = 1; c < count; c++)
-      if (candidates[c].lookup.p99 < candidates[best].lookup.p99) best = c;
-    if (!arguments->options.quiet && !arguments->options.json) show_candidates(candidates, count, best);
-    return sty_fail(error, STY_CHECK_FAILED,
-                    "--max-p99: found %.4g degrees at best (%s, size %d), expected at most %.4g",
-                    candidates[best].lookup.p99, sty_map_names[candidates[best].spec.map], candidates[best].spec.width,
-                    arguments->max_p99);
-  }
-  if (!arguments->options.quiet && !arguments->options.json) show_candidates(candidates, count, chosen);
-  *spec = candidates[chosen].spec;
+  if (account->chosen < 0) return fail_budget(arguments, account, error);
+  if (!arguments->options.quiet && !arguments->options.json) show_candidates(account, account->chosen);
+  *spec = account->candidates[account->chosen].spec;
   arguments->size = spec->width;
   arguments->map = (int)spec->map;
   return STY_OK;
@@ -257,7 +282,7 @@ static StyStatus make_table(LutArguments *arguments, const Inputs *inputs, Accou
   StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling,
                      arguments->map == MAP_ANY ? STY_MAP_XY : (StyMap)arguments->map, (StyMetric)arguments->metric};
   StyStatus status = STY_OK;
-  if (arguments->size == 0) status = choose_spec(arguments, inputs, &spec, error);
+  if (arguments->size == 0) status = choose_spec(arguments, inputs, &spec, account, error);
   if (status) return status;
   if (arguments->options.dry_run) return announce(arguments, inputs->sites);
   StyLut *lut = NULL;

@@ -141,6 +141,11 @@ static StyStatus check_arguments(LutArguments *arguments) {
   if (!status && arguments->size != 0 && (arguments->max_p99 > 0 || arguments->map == MAP_ANY))
     status = sty_fail(error, STY_ERROR_USAGE, "--size: found %d with %s, expected auto", arguments->size,
                       arguments->max_p99 > 0 ? "--max-p99" : "--map auto");
+  if (!status && arguments->size != 0 && !arguments->feature_count) {
+    const StyLutSpec spec = {arguments->size, arguments->size, (StySampling)arguments->sampling, (StyMap)arguments->map,
+                             (StyMetric)arguments->metric};
+    status = sty_check_spec(&spec, error);
+  }
   if (!status) status = check_resolve(arguments);
   if (!status && !arguments->feature_count && arguments->max_memory)
     status = sty_fail(error, STY_ERROR_USAGE, "--max-memory: found without --channels, expected three dimensions");

@@ -116,7 +116,7 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   if (account->unique) snprintf(distinct, sizeof distinct, ", %zu distinct values", account->unique);
   printf("%s: %zu pixels matched with %zu source pixels%s, by %s\n", clean_text(arguments->options.output),
          account->matched, sites->count, distinct, clean_text(channels));
-  printf("engine %s, %s; distance to the nearest value: mean %.5f, max %.5f\n", account->engine->name,
+  printf("engine %s, %s; distance to the value found: mean %.5f, max %.5f\n", account->engine->name,
          account->engine->exact ? "exact" : "approximate", account->mean_error, account->max_error);
   printf("read %.1f ms, search %.1f ms, write %.1f ms; peak memory %.0f MB\n", account->times[0], account->times[1],
          account->times[2], get_peak_bytes() / 1e6);

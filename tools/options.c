@@ -59,7 +59,8 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
 
 static const struct argp_option common_options[] = {
     {NULL, 0, NULL, 0, "Common options:", 90},
-    {"threads", 'j', "N", 0, "use N threads (default: one per core); the result is the same for any number", 0},
+    {"threads", 'j', "N", 0,
+     "use N threads (default: one per core; one where times are charted); results are the same for any number", 0},
     {"quiet", 'q', NULL, 0, "print nothing but errors", 0},
     {"verbose", 'v', NULL, 0, "say on stderr how long each stage took", 0},
     {"format", KEY_FORMAT, "text|json", 0, "how results are printed (default: text)", 0},
@@ -123,6 +124,7 @@ static error_t parse_engine(int key, char *argument, struct argp_state *state) {
   StyStatus status = STY_OK;
   if (key != 'e' && key != KEY_TREES && key != KEY_CHECKS && key != KEY_PRECISION) return ARGP_ERR_UNKNOWN;
   begin_option(key, argument, state);
+  if (key != 'e') options->tuning[key - KEY_TREES] = true;
   switch (key) {
     case 'e': status = set_engine(options, argument); break;
     case KEY_TREES:
@@ -157,17 +159,16 @@ const struct argp engine_argp = {.options = engine_options, .parser = parse_engi
 
 StyStatus choose_engine(Options *options, StyTask task, int dims, const StyEngine **out) {
   const StyEngine *engine = options->engine ? options->engine : sty_get_fastest_engine(task, dims);
-  const bool forest = strcmp(engine->name, "flann-forest") == 0, tuned = strcmp(engine->name, "flann-auto") == 0;
-  const StyEngineOptions *given = &options->engine_options, *usual = &sty_default_engine_options;
-  const char *useless = !forest && given->trees != usual->trees          ? "trees"
-                        : !forest && given->checks != usual->checks      ? "checks"
-                        : !tuned && given->precision != usual->precision ? "precision"
-                                                                         : NULL;
-  if (useless)
-    return sty_fail(&options->error, STY_ERROR_USAGE, "--%s: found with engine %s, which doesn't heed it, expected %s",
-                    useless, engine->name, strcmp(useless, "precision") == 0 ? "flann-auto" : "flann-forest");
+  static const char *const tunings[] = {"trees", "checks", "precision"}, *const heeded_by[] = {"flann-forest",
+                                                                                               "flann-forest",
+                                                                                               "flann-auto"};
+  for (int t = 0; t < TUNINGS; t++)
+    if (options->tuning[t] && strcmp(engine->name, heeded_by[t]) != 0)
+      return sty_fail(&options->error, STY_ERROR_USAGE,
+                      "--%s: found with engine %s, which doesn't heed it, expected %s", tunings[t], engine->name,
+                      heeded_by[t]);
   *out = engine;
-  return STY_OK;
+  return sty_check_dims(engine, dims, &options->error);
 }
 
 /* ---- parsing ---- */
@@ -300,8 +301,8 @@ StyStatus require_argument(Options *options, const char *argument, const char *e
   return argument ? STY_OK : sty_fail(&options->error, STY_ERROR_USAGE, "found no argument, expected %s", expected);
 }
 
-/* Before the work rather than after it. */
-static StyStatus require_folder(const char *path, StyError *error) {
+StyStatus require_folder(Options *options, const char *path) {
+  StyError *error = &options->error;
   char *copy = strdup(path);
   if (!copy) return sty_fail_memory(error, path, (double)strlen(path));
   struct stat info;
@@ -316,7 +317,7 @@ static StyStatus require_folder(const char *path, StyError *error) {
 StyStatus require_output(Options *options) {
   if (!options->output)
     return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");
-  return *options->output ? require_folder(options->output, &options->error) : STY_OK;
+  return *options->output ? require_folder(options, options->output) : STY_OK;
 }
 
 StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count) {

@@ -12,6 +12,9 @@
 #include "stylut/lut.h"
 #include "stylut/parallel.h"
 
+/* --trees, --checks and --precision, each for one engine or two. */
+enum { TUNINGS = 3 };
+
 /* First member of every command's own arguments. */
 typedef struct Options {
   const char *output;
@@ -23,11 +26,12 @@ typedef struct Options {
   uint64_t seed;
   const StyEngine *engine; /* NULL: the fastest exact one */
   StyEngineOptions engine_options;
-  bool helped;    /* --help was given and answered: nothing is left to do */
-  int reached;    /* by parsing, in argv: past the option taken last, or at it while others follow in its word */
-  int stopped_at; /* the word in argv that parsing failed at */
-  char **words;   /* argv as it was given: parsing moves options to its front */
-  char *history;  /* the options that shape the result, in canonical form */
+  bool tuning[TUNINGS]; /* which of --trees, --checks, --precision were given */
+  bool helped;          /* --help was given and answered: nothing is left to do */
+  int reached;          /* by parsing, in argv: past the option taken last, or at it while others follow in its word */
+  int stopped_at;       /* the word in argv that parsing failed at */
+  char **words;         /* argv as it was given: parsing moves options to its front */
+  char *history;        /* the options that shape the result, in canonical form */
   StyError error;
 } Options;
 
@@ -57,6 +61,9 @@ bool is_behind_option(const Options *options, const char *prefix, const char *wo
 
 /* The argument must have been given; `expected` says what it is. */
 StyStatus require_argument(Options *options, const char *argument, const char *expected);
+
+/* A file that is to be written once the work is done: its folder must be there. */
+StyStatus require_folder(Options *options, const char *path);
 
 /* For commands that write: -o must be given, and name a place in a folder that is there. */
 StyStatus require_output(Options *options);

@@ -56,9 +56,9 @@ static inline size_t sty_count_pixels(const StyImage *image) { return (size_t)im
 /* The plane of the channel of this name, or NULL. Names compare exactly. */
 float *sty_find_channel(const StyImage *image, const char *name);
 
-/* The place of a pixel along a side as an integer, round((pixel+1/2)/side*maximum),
- * and back: value*side/maximum rounded down, at most side-1. Exact for sides below
- * the maximum. */
+/* The place of a pixel along a side as an integer, (pixel+1/2)/side*maximum rounded to the
+ * nearest, halves down, and back: value*side/maximum rounded down, at most side-1. Exact for
+ * sides up to maximum+1. */
 uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum);
 uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum);
 

@@ -131,8 +131,11 @@ typedef struct StyLut {
   size_t asked_count;              /* of them; texels beyond stand for the last */
 } StyLut;
 
-/* An empty table, all zero. Sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others, and
- * equal-area with another sampling than centre, give STY_ERROR_USAGE. */
+/* Whether there can be such a table: sides run from 1 (unorm8: 2) to STY_MAX_LUT_SIZE; others,
+ * and equal-area with another sampling than centre, give STY_ERROR_USAGE. */
+StyStatus sty_check_spec(const StyLutSpec *spec, StyError *error);
+
+/* An empty table, all zero. Errors as of sty_check_spec. */
 StyStatus sty_create_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error);
 
 /* An empty cube of 1 to STY_MAX_CUBE texels a side. */
@@ -180,6 +183,8 @@ typedef struct StyEngine {
 extern const StyEngine sty_engines[];
 
 /* By name; "auto" takes the fastest exact one for flat tables. STY_ERROR_USAGE lists the names. */
+/* STY_ERROR_USAGE where an engine doesn't take values of so many dimensions; names those that do. */
+StyStatus sty_check_dims(const StyEngine *engine, int dims, StyError *error);
 StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error);
 
 /* The fastest exact engine of this build: for flat tables, which `grid` is made for,
@@ -235,7 +240,7 @@ StyStatus sty_ask_engine(const StySites *sites, const StyEngine *engine, const S
  *   rg16   16 bit, R = u, G = v, B = 0
  *   rg8x2  8 bit, R G = high and low byte of the 16-bit u, B A = of v
  *   rg8    8 bit, R = u, G = v, B = 0: what older plugins use; loses precision
- *          for sources of 255 pixels and more
+ *          for sources of more than 256 pixels a side
  * Cubes are stored as they stand, and name their depth and axes in attributes.
  * Integers are those of sty_encode_coordinate with a maximum of 255 or 65535. */
 typedef enum StyEncoding { STY_ENCODE_F32, STY_ENCODE_RG16, STY_ENCODE_RG8X2, STY_ENCODE_RG8 } StyEncoding;

@@ -53,7 +53,8 @@ StyStatus sty_judge_report(const StyReport *report, StyOpinion *out, StyError *e
 /* Writes the page; the same bytes for the same report. It stays below
  * STY_MOST_REPORT_BYTES: tables beyond 512 texels a side, and smaller ones whose
  * maps don't fit, are shown in cells of several texels. Errors: STY_ERROR_LIBRARY
- * (memory); those of the stream are left to sty_commit_output. */
+ * (memory), STY_ERROR_INPUT (names so long that no page can hold them); those of the stream
+ * are left to sty_commit_output. */
 #define STY_MOST_REPORT_BYTES 3000000
 StyStatus sty_write_report(const StyReport *report, FILE *stream, StyError *error);
 

@@ -91,9 +91,10 @@ static StyStatus try_sizes(Search *s, StyError *error) {
 StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, bool any_map,
                           StyEncoding encoding, const StyAuditOptions *options, double budget, const StyRun *run,
                           StyCandidate *candidates, int *count, int *chosen, StyError *error) {
+  const StyLutSpec first = {SMALLEST, SMALLEST, spec->sampling, any_map ? STY_MAP_XY : spec->map, spec->metric};
   *count = 0;
   *chosen = -1;
-  StyStatus status = STY_OK;
+  StyStatus status = sty_check_spec(&first, error);
   for (int map = STY_MAP_XY; !status && map <= STY_MAP_EQUAL_AREA; map++) {
     Search search = {sites, guide, *spec, encoding, options, run, budget, candidates, count};
     if (any_map) search.spec.map = (StyMap)map;

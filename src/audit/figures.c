@@ -1,7 +1,9 @@
 #include "audit/figures.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 StyStatus sty_find_planes(const StyImage *guide, StyGuidePlanes *out, StyError *error) {
   *out = (StyGuidePlanes){sty_find_channel(guide, "A"), sty_find_channel(guide, "normal.X"),
@@ -38,14 +40,35 @@ double sty_measure_pixel(const StyGuidePlanes *guide, uint32_t pixel, const floa
 
 /* ---- tallies ------------------------------------------------------------------ */
 
+/* Percentiles are found without sorting: errors are not negative, so that their bits order as they
+ * do. One pass bins them by the upper half of the bits, a second one those of a bin by the lower. */
+enum { HALF = 16, HALVES = 1 << HALF };
+
+static uint32_t get_bits(float error) {
+  uint32_t bits;
+  memcpy(&bits, &error, sizeof bits);
+  return bits;
+}
+
 StyStatus sty_open_tally(size_t capacity, StyTally *out, StyError *error) {
-  *out = (StyTally){.samples = malloc((capacity + 1) * sizeof *out->samples), .capacity = capacity};
-  return out->samples ? STY_OK : sty_fail_memory(error, "audit", (double)capacity * sizeof *out->samples);
+  *out = (StyTally){.samples = malloc((capacity + 1) * sizeof *out->samples),
+                    .bins = calloc((size_t)2 * HALVES, sizeof *out->bins),
+                    .capacity = capacity};
+  if (out->samples && out->bins) return STY_OK;
+  sty_close_tally(out);
+  return sty_fail_memory(error, "audit", (double)capacity * sizeof *out->samples);
 }
 
 void sty_close_tally(StyTally *tally) {
   free(tally->samples);
+  free(tally->bins);
   *tally = (StyTally){0};
+}
+
+static int get_error_bin(double error) {
+  if (!(error >= STY_LEAST_ERROR)) return 0;
+  const int bin = 1 + (int)floor(log10(error / STY_LEAST_ERROR) * STY_ERROR_BINS_A_DECADE);
+  return bin < STY_ERROR_BINS ? bin : STY_ERROR_BINS - 1;
 }
 
 void sty_add_error(StyTally *tally, double angle, double weight, const int texel[2], const float g[2], uint32_t pixel,
@@ -60,41 +83,50 @@ void sty_add_error(StyTally *tally, double angle, double weight, const int texel
     tally->figures.source[0] = (int)(pixel % (uint32_t)source_width);
     tally->figures.source[1] = (int)(pixel / (uint32_t)source_width);
   }
-  tally->samples[tally->count++] = (StySample){angle, weight};
+  const StySample sample = {(float)angle, (float)weight};
+  tally->samples[tally->count++] = sample;
+  tally->sum += (double)sample.weight * angle;
+  tally->weight += (double)sample.weight;
+  tally->bins[get_bits(sample.error) >> HALF] += (double)sample.weight;
+  tally->figures.shares[get_error_bin(angle)] += (double)sample.weight;
 }
 
-static int compare_samples(const void *a, const void *b) {
-  const StySample *x = a, *y = b;
-  if (x->error != y->error) return (x->error > y->error) - (x->error < y->error);
-  return (x->weight > y->weight) - (x->weight < y->weight);
+/* The bin in which the weight `*before` the first grows past `wanted`; then it is that before this bin. */
+static uint32_t find_bin(const double *bins, double wanted, double *before) {
+  uint32_t last = 0;
+  for (uint32_t b = 0; b < HALVES; b++) {
+    if (!(bins[b] > 0)) continue;
+    if (*before + bins[b] >= wanted) return b;
+    last = b;
+    *before += bins[b];
+  }
+  *before -= bins[last]; /* rounding has kept the sum below what is wanted */
+  return last;
 }
 
-static int get_error_bin(double error) {
-  if (!(error >= STY_LEAST_ERROR)) return 0;
-  const int bin = 1 + (int)floor(log10(error / STY_LEAST_ERROR) * STY_ERROR_BINS_A_DECADE);
-  return bin < STY_ERROR_BINS ? bin : STY_ERROR_BINS - 1;
+/* The nearest rank. */
+static double find_percentile(const StyTally *tally, double share) {
+  /* The margin keeps rounding of the sum from asking for one more. */
+  const double wanted = share * tally->weight * (1 - 1e-12);
+  double before = 0, *lower = tally->bins + HALVES;
+  const uint32_t upper = find_bin(tally->bins, wanted, &before);
+  memset(lower, 0, HALVES * sizeof *lower);
+  for (size_t i = 0; i < tally->count; i++) {
+    const uint32_t bits = get_bits(tally->samples[i].error);
+    if (bits >> HALF == upper) lower[bits % HALVES] += (double)tally->samples[i].weight;
+  }
+  const uint32_t bits = upper << HALF | find_bin(lower, wanted, &before);
+  float error;
+  memcpy(&error, &bits, sizeof error);
+  return (double)error;
 }
 
 StyFigures sty_finish_tally(StyTally *tally) {
-  double weight = 0, sum = 0;
-  for (size_t i = 0; i < tally->count; i++) {
-    weight += tally->samples[i].weight;
-    sum += tally->samples[i].weight * tally->samples[i].error;
-  }
-  qsort(tally->samples, tally->count, sizeof *tally->samples, compare_samples);
   StyFigures figures = tally->figures;
-  figures.mean = sum / weight;
-  for (size_t i = 0; i < tally->count; i++)
-    figures.shares[get_error_bin(tally->samples[i].error)] += tally->samples[i].weight / weight;
-  const double shares[] = {0.50, 0.95, 0.99};
-  double *const percentiles[] = {&figures.p50, &figures.p95, &figures.p99};
-  for (int k = 0; k < 3; k++) {
-    /* Nearest rank; the margin keeps rounding of the sum from asking for one more. */
-    const double wanted = shares[k] * weight * (1 - 1e-12);
-    double reached = 0;
-    size_t i = 0;
-    while (i + 1 < tally->count && (reached += tally->samples[i].weight) < wanted) i++;
-    *percentiles[k] = tally->samples[i].error;
-  }
+  figures.mean = tally->sum / tally->weight;
+  for (int b = 0; b < STY_ERROR_BINS; b++) figures.shares[b] /= tally->weight;
+  figures.p50 = find_percentile(tally, 0.50);
+  figures.p95 = find_percentile(tally, 0.95);
+  figures.p99 = find_percentile(tally, 0.99);
   return figures;
 }

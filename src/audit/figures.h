@@ -20,12 +20,14 @@ double sty_measure_angle(const float a[2], const float b[2]);
 
 /* Errors with their weights, and where the largest is. */
 typedef struct StySample {
-  double error, weight;
+  float error, weight;
 } StySample;
 
 typedef struct StyTally {
   StySample *samples; /* room for `capacity` */
   size_t count, capacity;
+  double sum, weight; /* of error times weight, and of the weights */
+  double *bins;       /* weights by the halves of an error's bits; see figures.c */
   StyFigures figures;
 } StyTally;
 
@@ -36,7 +38,7 @@ void sty_close_tally(StyTally *tally);
 void sty_add_error(StyTally *tally, double angle, double weight, const int texel[2], const float g[2], uint32_t pixel,
                    int source_width);
 
-/* Sorts the tally; it must not be empty. */
+/* Of a tally that is not empty. */
 StyFigures sty_finish_tally(StyTally *tally);
 
 #endif

@@ -226,36 +226,59 @@ static char *dump_and_drop(json_t *root) {
   return text;
 }
 
-static StyStatus pack_planes(Page *page, StyError *error) {
+static StyStatus pack_guide(Page *page, StyError *error) {
   json_t *guide = NULL;
-  StyStatus status = sty_pack_guide(page->report, &guide, error);
-  if (status) return status;
-  page->guide = dump_and_drop(guide);
-  const size_t fixed = 200000 + (page->guide ? strlen(page->guide) : 0);
-  /* Maps of noise don't compress: coarser cells, until they fit. */
-  for (int step = 1; !status; step++) {
-    json_t *table = NULL;
-    status = sty_pack_table(page->report, step, &table, error);
-    if (status) break;
-    free(page->table);
-    page->table = dump_and_drop(table);
-    if (!page->table || strlen(page->table) + fixed < STY_MOST_REPORT_BYTES) break;
-  }
+  const StyStatus status = sty_pack_guide(page->report, &guide, error);
+  if (!status) page->guide = dump_and_drop(guide);
   return status;
 }
 
+/* The page with maps in cells of `step` texels a side; the caller frees it. */
+static StyStatus compose_page(Page *page, int step, char **text, size_t *size, StyError *error) {
+  json_t *table = NULL;
+  const StyStatus status = sty_pack_table(page->report, step, &table, error);
+  if (status) return status;
+  free(page->table);
+  page->table = dump_and_drop(table);
+  page->stream = page->table ? open_memstream(text, size) : NULL;
+  if (!page->stream) return sty_fail_memory(error, "report", STY_MOST_REPORT_BYTES);
+  write_page(page);
+  if (fclose(page->stream) == 0) return STY_OK;
+  free(*text);
+  return sty_fail_memory(error, "report", STY_MOST_REPORT_BYTES);
+}
+
+/* Maps of noise don't compress: coarser cells, until they fit. */
+static StyStatus write_fitting_page(Page *page, FILE *stream, StyError *error) {
+  const StyLutSpec *spec = &page->report->lut->spec;
+  const int coarsest = spec->width > spec->height ? spec->width : spec->height;
+  for (int step = 1; step <= coarsest; step++) {
+    char *text = NULL;
+    size_t size = 0;
+    const StyStatus status = compose_page(page, step, &text, &size, error);
+    if (status) return status;
+    const bool fits = size < STY_MOST_REPORT_BYTES;
+    if (fits) fwrite(text, 1, size, stream);
+    free(text);
+    if (fits) return STY_OK;
+    if (size - strlen(page->table) >= STY_MOST_REPORT_BYTES) break;
+  }
+  return sty_fail(error, STY_ERROR_INPUT, "report: found %d files whose names alone fill the page, expected fewer",
+                  page->report->file_count);
+}
+
 StyStatus sty_write_report(const StyReport *report, FILE *stream, StyError *error) {
-  Page page = {.report = report, .stream = stream};
+  Page page = {.report = report};
   StyFacts facts;
   StyStatus status = sty_gather_facts(report, &facts, error);
   if (!status) {
     sty_form_opinion(report, &facts, &page.opinion);
     page.audit = sty_format_audit(report->audit);
     page.facts = format_facts(report, &facts);
-    status = pack_planes(&page, error);
+    status = pack_guide(&page, error);
   }
-  if (!status && !(page.audit && page.facts && page.table && page.guide)) status = sty_fail_memory(error, "report", 0);
-  if (!status) write_page(&page);
+  if (!status && !(page.audit && page.facts && page.guide)) status = sty_fail_memory(error, "report", 0);
+  if (!status) status = write_fitting_page(&page, stream, error);
   free(page.audit);
   free(page.facts);
   free(page.table);

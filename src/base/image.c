@@ -51,7 +51,7 @@ float *sty_find_channel(const StyImage *image, const char *name) {
 }
 
 uint32_t sty_encode_coordinate(uint32_t pixel, uint32_t side, uint32_t maximum) {
-  return (uint32_t)(((2 * (uint64_t)pixel + 1) * maximum + side) / (2 * (uint64_t)side));
+  return (uint32_t)(((2 * (uint64_t)pixel + 1) * maximum + side - 1) / (2 * (uint64_t)side));
 }
 
 uint32_t sty_decode_coordinate(uint32_t value, uint32_t side, uint32_t maximum) {

@@ -28,9 +28,8 @@ StyStatus sty_build_grid(const StySites *sites, const StyEngineOptions *options,
 StyStatus sty_collect_target(const char *name, const StyImage *guide, const StySites *source, StySites **out,
                              StyError *error);
 
-/* sty_create_lut in two parts: its limits, and a table within or beyond them whose
- * texels are yet to be set; until then they take no memory. */
-StyStatus sty_check_spec(const StyLutSpec *spec, StyError *error);
+/* sty_create_lut without its limits, and with texels that are yet to be set; until then they
+ * take no memory. */
 StyStatus sty_allocate_lut(const StyLutSpec *spec, int source_width, int source_height, StyLut **out, StyError *error);
 
 /* sty_ask_engine for `count` values, 1 or more: a table of any shape, whose first `count` texels are the answers. */

@@ -58,12 +58,15 @@ static StyStatus fail_dims(const StyEngine *engine, int dims, StyError *error) {
                   engine->name, dims, dims == 1 ? "" : "s", able);
 }
 
+StyStatus sty_check_dims(const StyEngine *engine, int dims, StyError *error) {
+  return takes(engine, dims) ? STY_OK : fail_dims(engine, dims, error);
+}
+
 /* Has the engine fill a new table; destroys it on failure. */
 static StyStatus fill_lut(const StySites *sites, const StyEngine *engine, const StyEngineOptions *options, StyLut *lut,
                           const StyRun *run, StyLut **out, StyError *error) {
-  const StyStatus status = takes(engine, sites->dims)
-                               ? engine->build(sites, options ? options : &sty_default_engine_options, lut, run, error)
-                               : fail_dims(engine, sites->dims, error);
+  StyStatus status = sty_check_dims(engine, sites->dims, error);
+  if (!status) status = engine->build(sites, options ? options : &sty_default_engine_options, lut, run, error);
   if (status)
     sty_destroy_lut(&lut);
   else

@@ -76,8 +76,9 @@ static size_t find_asked_texel(const StyLut *lut, const float *const planes[3], 
 /* Who asks for texels: of all that there are, evenly spaced ones. */
 static StyStatus find_askers(const StyLut *lut, const StyImage *const *frames, StyServe *serve, StyError *error) {
   const size_t texels = sty_count_texels(&lut->spec);
-  uint32_t *count = calloc(2 * (texels + 1), sizeof *count), *seen = count + texels + 1;
+  uint32_t *count = calloc(2 * (texels + 1), sizeof *count);
   if (!count) return sty_fail_memory(error, "frames", (double)texels * 8);
+  uint32_t *seen = count + texels + 1;
   for (int pass = 0; pass < 2; pass++)
     for (int f = 0; f < serve->frame_count; f++) {
       const size_t width = (size_t)frames[f]->width, pixels = sty_count_pixels(frames[f]);

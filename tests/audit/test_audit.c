@@ -933,6 +933,42 @@ static void test_json(void **state) {
   sty_destroy_image(&guide);
 }
 
+/* ---- the smallest table that will do ---------------------------------------------- */
+
+static void test_choose_size(void **state) {
+  (void)state;
+  StyImage *guide = make_sphere(60, 60);
+  StySites *sites = NULL;
+  StyCandidate candidates[STY_MOST_CANDIDATES];
+  const StyAuditOptions options = {.weights = STY_WEIGHT_DISC};
+  int count, chosen;
+  assert_int_equal(sty_collect_sites("guide", guide, &sites, NULL), STY_OK);
+  for (int any_map = 0; any_map < 2; any_map++) {
+    const StyLutSpec spec = describe(1, STY_SAMPLE_CENTRE);
+    assert_int_equal(sty_choose_size(sites, guide, &spec, any_map, STY_ENCODE_RG16, &options, 6, &ONE_THREAD,
+                                     candidates, &count, &chosen, NULL),
+                     STY_OK);
+    assert_in_range(chosen, 0, count - 1);
+    for (int c = 0; c < count; c++) {
+      if (c) assert_true(candidates[c - 1].bytes <= candidates[c].bytes);
+      assert_true(c >= chosen ? candidates[chosen].lookup.p99 <= 6 : candidates[c].lookup.p99 > 6);
+      assert_true(any_map || candidates[c].spec.map == STY_MAP_XY);
+    }
+  }
+  /* Equal areas are for centres. */
+  StyLutSpec odd = describe(1, STY_SAMPLE_UNORM8);
+  odd.map = STY_MAP_EQUAL_AREA;
+  StyError error = {STY_OK, ""};
+  expect_message(sty_choose_size(sites, guide, &odd, false, STY_ENCODE_RG16, &options, 6, &ONE_THREAD, candidates,
+                                 &count, &chosen, &error),
+                 STY_ERROR_USAGE, &error, PARTS("unorm8", "equal-area"));
+  assert_int_equal(sty_choose_size(sites, guide, &odd, true, STY_ENCODE_RG16, &options, 90, &ONE_THREAD, candidates,
+                                   &count, &chosen, &error),
+                   STY_OK);
+  sty_destroy_sites(&sites);
+  sty_destroy_image(&guide);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_by_hand),
@@ -959,6 +995,7 @@ int main(void) {
       cmocka_unit_test(test_threads),
       cmocka_unit_test(test_what_does_not_fit),
       cmocka_unit_test(test_json),
+      cmocka_unit_test(test_choose_size),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -335,6 +335,43 @@ static void test_names_and_failures(void **state) {
   close_case(&c);
 }
 
+/* ---- long names ------------------------------------------------------------------ */
+
+/* A page about so many files with names of so many bytes. */
+static StyStatus write_named(int count, size_t bytes, size_t *size) {
+  Case c = open_case(make_sphere(40), 32);
+  const StyAuditOptions options = {.tolerance = 4 * STY_LEVEL, .weights = STY_WEIGHT_DISC};
+  StyAudit audit;
+  StyAuditMaps maps;
+  assert_int_equal(sty_audit_lut(c.lut, c.exact, c.guide, &options, NULL, &audit, &maps, NULL), STY_OK);
+  char *name = calloc(bytes + 1, 1), *page = NULL;
+  StyReportFile *files = calloc((size_t)count, sizeof *files);
+  assert_non_null(name);
+  assert_non_null(files);
+  memset(name, 'n', bytes);
+  for (int f = 0; f < count; f++) files[f] = (StyReportFile){"frame", name, ""};
+  const StyReport report = {files, count, name, c.lut, c.exact, c.guide, &audit, &maps, false};
+  FILE *stream = open_memstream(&page, size);
+  assert_non_null(stream);
+  const StyStatus status = sty_write_report(&report, stream, NULL);
+  assert_int_equal(fclose(stream), 0);
+  free(page);
+  free(files);
+  free(name);
+  sty_free_audit_maps(&maps);
+  close_case(&c);
+  return status;
+}
+
+static void test_long_names(void **state) {
+  (void)state;
+  size_t size;
+  assert_int_equal(write_named(256, 10500, &size), STY_OK);
+  assert_in_range(size, 256 * 10500, STY_MOST_REPORT_BYTES - 1);
+  assert_int_equal(write_named(256, 12000, &size), STY_ERROR_INPUT);
+  assert_int_equal(size, 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sphere),
@@ -349,6 +386,7 @@ int main(void) {
       cmocka_unit_test(test_bytes),
       cmocka_unit_test(test_page),
       cmocka_unit_test(test_names_and_failures),
+      cmocka_unit_test(test_long_names),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

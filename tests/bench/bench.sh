@@ -22,8 +22,7 @@ printf 'bench: stylut bench\n' >&2
     "$build/tests/bench/bench" "$section" "$build/stylut" "$exemplars" "$scratch"
   done
   printf 'bench: engines\n' >&2
-  data=${STYLUT_DATA:-$here/../../../shared/data}
-  if [ -d "$data" ]; then "$build/tests/bench/engines" "$data"; else "$build/tests/bench/engines"; fi
+  if [ -d "${STYLUT_DATA:-}" ]; then "$build/tests/bench/engines" "$STYLUT_DATA"; else "$build/tests/bench/engines"; fi
 } >"$scratch/bench.csv"
 mv "$scratch/bench.csv" "$csv"
 

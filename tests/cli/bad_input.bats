@@ -696,7 +696,7 @@ EOF
 @test "options that don't go together" {
   local option
   bring guide.exr
-  for option in '--trees 5' '--checks 9' '--precision 0.5'; do
+  for option in '--trees 5' '--trees 4' '--checks 9' '--precision 0.5'; do
     # shellcheck disable=SC2086
     refuse 1 "${option%% *}" lut guide.exr -s 8 -o out.exr $option
   done

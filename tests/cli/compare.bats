@@ -180,7 +180,7 @@ difference mean 0  RMS 0  largest 0$"
   differ compare plain.png marks.png -j 3 --no-history -o three.png
   differ compare plain.png marks.png -j 1 --no-history -o one.png
   expect_same three.png one.png
-  accept compare plain.png marks.png -o not.png --dry-run
+  differ compare plain.png marks.png -o not.png --dry-run
   expect_holds 'dry run' "$output" 'would write not.png'
   [ ! -e not.png ] || complain "--dry-run wrote"
 }

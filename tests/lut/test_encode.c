@@ -60,11 +60,11 @@ static void expect_layout(const StyLut *lut, StyEncoding encoding, const StyImag
       stored[c] = round(stored[c]);
     }
     if (encoding == STY_ENCODE_RG8X2) {
-      assert_true(stored[0] * 256 + stored[1] == floor(u * 65535 + 0.5));
-      assert_true(stored[2] * 256 + stored[3] == floor(v * 65535 + 0.5));
+      assert_true(stored[0] * 256 + stored[1] == ceil(u * 65535 - 0.5));
+      assert_true(stored[2] * 256 + stored[3] == ceil(v * 65535 - 0.5));
     } else {
-      assert_true(stored[0] == floor(u * top + 0.5));
-      assert_true(stored[1] == floor(v * top + 0.5));
+      assert_true(stored[0] == ceil(u * top - 0.5));
+      assert_true(stored[1] == ceil(v * top - 0.5));
       assert_true(stored[2] == 0);
     }
   }
@@ -97,7 +97,7 @@ static void test_round_trips(void **state) {
         expect_spec(&back->spec, &lut->spec);
         assert_int_equal(back->source_width, width);
         assert_int_equal(back->source_height, height);
-        const int exact_x = e != STY_ENCODE_RG8 || width < 255, exact_y = e != STY_ENCODE_RG8 || height < 255;
+        const int exact_x = e != STY_ENCODE_RG8 || width <= 256, exact_y = e != STY_ENCODE_RG8 || height <= 256;
         for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) {
           const int dx = abs((int)(back->pixels[t] % (uint32_t)width) - (int)(lut->pixels[t] % (uint32_t)width));
           const int dy = abs((int)(back->pixels[t] / (uint32_t)width) - (int)(lut->pixels[t] / (uint32_t)width));
