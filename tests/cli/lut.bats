@@ -97,10 +97,12 @@ same_by_angle() {
   # As many checks as it takes: to miss next to nothing, and more than with fewer.
   accept lut creature.exr -s 64 -e flann-auto --precision 1 -o best.exr
   accept check best.exr --guide creature.exr --format json
-  expect_less 'misses at precision 1' "$(json - '1 - r.optimal' <<<"$output")" 0.05
+  local misses
+  misses=$(json - '1 - r.optimal' <<<"$output")
+  expect_less 'misses at precision 1' "$misses" 0.05
   accept lut creature.exr -s 64 -e flann-auto --precision 0.2 -o worst.exr
   accept check worst.exr --guide creature.exr --format json
-  expect_less 'misses at precision 1, at 0.2' 0.05 "$(json - '1 - r.optimal' <<<"$output")"
+  expect_less 'misses at precision 1, at 0.2' "$misses" "$(json - '1 - r.optimal' <<<"$output")"
   accept lut creature.exr -s 64 -e flann-forest --trees 8 --checks 512 -o more.exr
   accept check more.exr --guide creature.exr --format json
   expect_less 'misses with more checks' "$(json - '1 - r.optimal' <<<"$output")" 0.05
