@@ -22,6 +22,8 @@ typedef struct Arguments {
 
 enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS };
 
+static const double default_fov = 35;
+
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
     {"channels", 'c', "LIST", 0,
@@ -115,6 +117,11 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (kind == 0 && arguments->scene_only)
     return sty_fail(error, STY_ERROR_USAGE, "option '%s': found with 'guide sphere', expected with 'guide scene' only",
                     arguments->scene_only);
+  if (arguments->view.fov > 0 && !arguments->view.perspective)
+    return sty_fail(error, STY_ERROR_USAGE, "--fov: found with an orthographic camera, expected --camera perspective");
+  if (!(arguments->view.fov > 0)) arguments->view.fov = default_fov;
+  if (arguments->flat && arguments->mesh_options.crease_angle >= 0)
+    return sty_fail(error, STY_ERROR_USAGE, "--flat: found with --crease, expected one of them");
   if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
     return sty_fail(error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", arguments->width,
                     arguments->height, STY_MAX_PIXELS);
@@ -205,6 +212,9 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
   const double times[] = {account->read_ms, account->trace.build_ms, account->trace.trace_ms, account->write_ms};
   const double pixels = (double)arguments->width * arguments->height;
   const double rate = account->trace.trace_ms > 0 ? pixels / account->trace.trace_ms / 1e3 : 0;
+  if (!account->covered)
+    warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
+         clean_text(arguments->options.output));
   if (arguments->options.json)
     return print_json(json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size",
                                 arguments->width, arguments->height, "covered", (json_int_t)account->covered,
@@ -247,7 +257,7 @@ StyStatus run_guide(int argc, char **argv) {
       .height = 512,
       .groups = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH,
       .bits = 8,
-      .view = {.fov = 35, .margin = 0.05},
+      .view = {.margin = 0.05},
       .mesh_options = {.crease_angle = -1},
   };
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);

@@ -17,7 +17,7 @@ static StyStatus import_guide(const char *path, StyImage **out, StyError *error)
 }
 
 static void warn_about_normals(const Options *options, const char *path, const StyImage *guide) {
-  static const double shortest = 0.8, longest = 1.2, most = 0.25;
+  static const double shortest = 0.9, longest = 1.1, most = 0.1;
   const float *covered = sty_find_channel(guide, "A");
   const float *normal[3] = {sty_find_channel(guide, "normal.X"), sty_find_channel(guide, "normal.Y"),
                             sty_find_channel(guide, "normal.Z")};
@@ -30,7 +30,9 @@ static void warn_about_normals(const Options *options, const char *path, const S
     odd += !(squared > shortest * shortest && squared < longest * longest);
     away += normal[2][p] < 0;
   }
-  if ((double)odd > most * (double)count)
+  if (!count)
+    warn(options, "%s: found no covered pixel, expected a guide that shows something", clean_text(path));
+  else if ((double)odd > most * (double)count)
     warn(options, "%s: found normals of other lengths than 1 in %.0f %% of the covered pixels, expected unit normals",
          clean_text(path), 100 * (double)odd / (double)count);
   else if (2 * away > count)
@@ -45,6 +47,11 @@ StyStatus read_guide(const Options *options, const char *path, StyImage **out, S
   return status;
 }
 
+static bool shows_normals(const StyImage *image) {
+  return sty_find_channel(image, "normal.X") && sty_find_channel(image, "normal.Y") &&
+         sty_find_channel(image, "normal.Z");
+}
+
 /* A picture's normals and coverage may stand in other channels than a guide's. */
 static bool needs_import(const StyImage *image, const StyFeature *features, int count) {
   bool needs = !sty_find_channel(image, "A");
@@ -56,10 +63,12 @@ static bool needs_import(const StyImage *image, const StyFeature *features, int 
   return needs;
 }
 
-StyStatus read_features(const char *path, const StyFeature *features, int count, StyImage **out, StyError *error) {
+StyStatus read_features(const Options *options, const char *path, const StyFeature *features, int count, StyImage **out,
+                        StyError *error) {
   StyImage *image = NULL;
   StyStatus status = sty_read_image(path, &image, error);
   if (!status && needs_import(image, features, count)) status = sty_import_guide(path, &image, error);
+  if (!status && shows_normals(image)) warn_about_normals(options, path, image);
   if (status)
     sty_destroy_image(&image);
   else

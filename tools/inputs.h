@@ -12,8 +12,9 @@
 StyStatus read_guide(const Options *options, const char *path, StyImage **out, StyError *error);
 
 /* Reads a guide for the sake of these channels: as the file has them, or, where it
- * lacks coverage or normals that are asked for, as read_guide finds them. */
-StyStatus read_features(const char *path, const StyFeature *features, int count, StyImage **out, StyError *error);
+ * lacks coverage or normals that are asked for, as read_guide finds them. Warns of normals as it does. */
+StyStatus read_features(const Options *options, const char *path, const StyFeature *features, int count, StyImage **out,
+                        StyError *error);
 
 /* Guides of frames, as --frames takes them. */
 enum { MOST_FRAMES = 256 };

@@ -175,9 +175,9 @@ static StyStatus choose_spec(LutArguments *arguments, const Inputs *inputs, StyL
 }
 
 static StyStatus read_source(const LutArguments *arguments, StyImage **out, StyError *error) {
-  return arguments->feature_count
-             ? read_features(arguments->guide, arguments->features, arguments->feature_count, out, error)
-             : read_guide(&arguments->options, arguments->guide, out, error);
+  return arguments->feature_count ? read_features(&arguments->options, arguments->guide, arguments->features,
+                                                  arguments->feature_count, out, error)
+                                  : read_guide(&arguments->options, arguments->guide, out, error);
 }
 
 /* What lies beyond the axes of a cube (see lut.h) can't be looked up. */

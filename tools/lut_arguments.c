@@ -11,7 +11,6 @@ enum {
   KEY_ENCODING,
   KEY_MAP,
   KEY_METRIC,
-  KEY_CHANNELS,
   KEY_MAX_MEMORY,
   KEY_RESOLVE,
   KEY_SLACK,
@@ -53,7 +52,7 @@ static const struct argp_option options_table[] = {
      0},
     {"slack", KEY_SLACK, "LEVELS", 0,
      "how much farther than the nearest such a choice may be, in 8-bit levels (default: 2)", 0},
-    {"channels", KEY_CHANNELS, "LIST", 0,
+    {"channels", 'c', "LIST", 0,
      "a table of three dimensions, N x N x N texels, over these three channels, as in normal.X,normal.Y,luma.Y:0.5; "
      "a number after a colon weighs the channel's distances; axes run from 0 to 1, those of normal.* from -1 to 1",
      0},
@@ -202,7 +201,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
       status = sty_parse_choice("--resolve", text, lut_resolve_names, &arguments->resolve, error);
       break;
     case KEY_SLACK: status = sty_parse_number("--slack", text, 0, 255, &arguments->slack, error); break;
-    case KEY_CHANNELS:
+    case 'c':
       status = sty_parse_features("--channels", text, arguments->features, &arguments->feature_count, error);
       break;
     case KEY_MAX_MEMORY: status = sty_parse_bytes("--max-memory", text, 1, &arguments->max_memory, error); break;

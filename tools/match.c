@@ -18,10 +18,9 @@ typedef struct Arguments {
 } Arguments;
 
 enum { SOURCE, TARGET };
-enum { KEY_CHANNELS = 0x200 };
 
 static const struct argp_option options_table[] = {
-    {"channels", KEY_CHANNELS, "LIST", 0,
+    {"channels", 'c', "LIST", 0,
      "what is compared: channels of both guides, or groups of them, as in normal,luma.Y:0.5; a number after a colon "
      "weighs a channel's differences (default: normal.X,normal.Y)",
      0},
@@ -53,7 +52,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: status = take_file(arguments, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
-    case KEY_CHANNELS:
+    case 'c':
       status = sty_parse_features("--channels", text, arguments->features, &arguments->feature_count,
                                   &arguments->options.error);
       break;
@@ -140,11 +139,14 @@ static StyStatus write_field(const Arguments *arguments, const StySites *sites, 
 static StyStatus read_guides(const Arguments *arguments, StySites **sites, StyImage **target, StyError *error) {
   const char *source = arguments->files[SOURCE];
   StyImage *guide = NULL;
-  StyStatus status = read_features(source, arguments->features, arguments->feature_count, &guide, error);
+  StyStatus status =
+      read_features(&arguments->options, source, arguments->features, arguments->feature_count, &guide, error);
   if (!status)
     status = sty_collect_features(source, guide, arguments->features, arguments->feature_count, sites, error);
   sty_destroy_image(&guide);
-  if (!status) status = read_features(arguments->files[TARGET], (*sites)->features, (*sites)->dims, target, error);
+  if (!status)
+    status =
+        read_features(&arguments->options, arguments->files[TARGET], (*sites)->features, (*sites)->dims, target, error);
   return status;
 }
 

@@ -252,10 +252,11 @@ static StyStatus write_pictures(const Arguments *arguments, const Work *work, St
 }
 
 /* Share of pixels without a piece: no exemplar is that poor in directions. */
-static const double hopeless = 0.9;
+static const double hopeless = 0.5;
 
 typedef struct Account {
   size_t covered, fallback;
+  size_t unnamed;  /* pixels whose style.I is that of no style */
   double times[5]; /* load, read, transfer, blend, write */
 } Account;
 
@@ -267,6 +268,9 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
          "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the convention of "
          "the bundle's guide, or a larger threshold",
          clean_text(arguments->guide), 100 * share);
+  if (account->unnamed)
+    warn(&arguments->options, "%s: found %zu pixels whose style.I the bundle has no style for, expected 1 to %u, or 0",
+         clean_text(arguments->guide), account->unnamed, work->bundle->textures[STY_BUNDLE_GUIDES].layers);
   if (arguments->options.json)
     return print_json(
         json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->frame.width,
@@ -295,6 +299,8 @@ static StyStatus stylize(const Arguments *arguments, Work *work, Account *accoun
   for (size_t i = 0; !status && i < (size_t)work->frame.width * (size_t)work->frame.height; i++) {
     account->covered += work->matches[i].level != STY_LEVEL_NONE;
     account->fallback += work->matches[i].level == STY_LEVEL_FALLBACK;
+    account->unnamed +=
+        work->styles && work->styles[i] && work->guide[4 * i + 3] > 0 && work->matches[i].level == STY_LEVEL_NONE;
   }
   return status;
 }

@@ -62,6 +62,11 @@ static StyStatus finish(StyStatus status) {
 }
 
 int main(int argc, char **argv) {
+  static char help[] = "--help";
+  if (argc == 3 && strcmp(argv[1], "help") == 0) {
+    argv[1] = argv[2];
+    argv[2] = help;
+  }
   const char *name = argc > 1 ? argv[1] : "";
   if (strcmp(name, "--help") == 0 || strcmp(name, "-?") == 0 || strcmp(name, "help") == 0)
     return (int)finish(print_help());

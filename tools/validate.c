@@ -9,6 +9,7 @@ typedef struct Arguments {
   Options options;
   const char *bundle;
   json_t *findings;
+  int errors; /* that were printed */
 } Arguments;
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -46,6 +47,7 @@ static void take_finding(void *context, const StyFinding *finding) {
   } else if (!arguments->options.quiet) {
     printf("B%d %s: %s: %s\n", (int)finding->number, finding->warning ? "warning" : "error", finding->file,
            finding->text);
+    arguments->errors += !finding->warning;
   }
 }
 
@@ -67,6 +69,9 @@ StyStatus run_validate(int argc, char **argv) {
     if (!status && !arguments.options.json && !arguments.options.quiet)
       printf("%s: valid, %zu style(s)\n", clean_text(arguments.bundle),
              json_array_size(json_object_get(bundle.index.root, "styles")));
+    if (status && arguments.errors)
+      sty_fail(error, status, "%s: found %d error%s, listed above, expected a valid bundle", arguments.bundle,
+               arguments.errors, arguments.errors == 1 ? "" : "s");
     if (!status) sty_unload_bundle(&bundle);
     if (arguments.options.json) status = print_findings(arguments.findings, status, error);
   }

@@ -62,7 +62,7 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
  * A keeps the values it has above 0, at most 1: they become the picture's alpha.
  * - Otherwise R, G, B of an 8- or 16-bit file hold n/2+1/2 (Y up), and A, where
  *   there is one, covers where it is above 0; without alpha, black is background.
- * `name` is for messages. STY_ERROR_INPUT: no normals, or a covered pixel
+ * `name` is for messages. STY_ERROR_INPUT: no normals, a coverage that isn't a number, or a covered pixel
  * whose normal isn't finite or lies outside STY_MAX_GUIDE_VALUE (the message names it). A guide without any
  * covered pixel passes: a frame may well be empty. */
 StyStatus sty_import_guide(const char *name, StyImage **image, StyError *error);

@@ -90,8 +90,8 @@ typedef struct StySites {
 } StySites;
 
 /* Collects the covered pixels of a guide (channels A, normal.X, normal.Y; see
- * guide.h). `name` is for messages. STY_ERROR_INPUT: no covered pixel, or a
- * value that isn't finite or lies outside STY_MAX_GUIDE_VALUE (the message names
+ * guide.h). `name` is for messages. STY_ERROR_INPUT: no covered pixel, a coverage that isn't
+ * a number, or a value that isn't finite or lies outside STY_MAX_GUIDE_VALUE (the message names
  * the pixel). The caller owns the sites. */
 StyStatus sty_collect_sites(const char *name, const StyImage *guide, StySites **out, StyError *error);
 

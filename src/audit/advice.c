@@ -17,6 +17,7 @@ static const double least_demand = 0.005; /* share of the frames' pixels */
 static const double bare = 0.9;           /* coverage in all */
 static const double growth_between = 1.5; /* lookup over assignment error */
 static const double growth_by_rounding = 1.1;
+static const double coarse = 2; /* degrees, of the median lookup: strokes go visibly elsewhere */
 static const size_t few_directions = 16;
 enum { LIST_SIZE = 300, MOST_NAMED_SECTORS = 4 };
 
@@ -66,6 +67,16 @@ static bool is_as_chosen(const StyAudit *audit) {
   return audit->slack > 0 && !audit->beyond_slack && !audit->background;
 }
 
+/* Whether a larger table would err less. */
+static bool is_small(const StyReport *report) {
+  const StyAudit *audit = report->audit;
+  const StyLutSpec *spec = &audit->spec;
+  const int table = spec->width > spec->height ? spec->width : spec->height;
+  const int source = report->guide->width > report->guide->height ? report->guide->width : report->guide->height;
+  return audit->lookup.mean > growth_between * audit->assignment.mean && source > table &&
+         spec->sampling != STY_SAMPLE_UNORM8;
+}
+
 /* ---- the verdict --------------------------------------------------------------- */
 
 /* Of tables that hold what they are meant to: exact ones, and those chosen within a slack. */
@@ -74,6 +85,8 @@ static void judge_sound(const StyReport *report, StyOpinion *out) {
   const char *but = "";
   if (audit->coverage < bare)
     but = ", but the guide lacks directions";
+  else if (audit->lookup.p50 > coarse && is_small(report))
+    but = ", but the table is small for its guide";
   else if (is_exact(audit) && is_ambiguous(audit))
     but = ", but the guide is ambiguous";
   else if (is_torn(audit))
@@ -208,20 +221,30 @@ static void advise_on_coverage(const StyReport *report, const StyFacts *facts, S
 
 static void advise_on_guide(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
-  if (is_ambiguous(audit) && !is_as_chosen(audit))
+  const bool jumps = audit->jumps > much && can_tear(audit);
+  const char *const resolve = weighs_frames(report) ? "both with these frames" : "coherent";
+  if (is_ambiguous(audit) && !is_as_chosen(audit) && jumps)
     advise(out,
            "The guide is ambiguous: for %s of the texels the pixels that fit equally well lie in several places or far "
-           "apart, on average %.0f pixels from their middle. %s",
-           say_share(audit->ambiguous).text, facts->spread,
-           audit->jumps > much && can_tear(audit)
-               ? "Trifles decide between them, and copied pieces get small: build with --resolve coherent, so that "
-                 "neighbours choose alike."
-               : "Trifles decide between them, but here neighbours choose alike.");
-  else if (audit->jumps > much && can_tear(audit))
+           "apart, on average %.0f pixels from their middle. Trifles decide between them, and copied pieces get small: "
+           "build with --resolve %s, so that neighbours choose alike.",
+           say_share(audit->ambiguous).text, facts->spread, resolve);
+  else if (is_ambiguous(audit) && !is_as_chosen(audit))
     advise(out,
-           "%s of neighbouring texels lie more than %.3g source pixels apart: strokes will be cut there. --resolve "
-           "coherent keeps neighbours together.",
+           "The guide is ambiguous: for %s of the texels the pixels that fit equally well lie in several places or far "
+           "apart, on average %.0f pixels from their middle. Trifles decide between them, but here neighbours choose "
+           "alike.",
+           say_share(audit->ambiguous).text, facts->spread);
+  else if (jumps && is_as_chosen(audit))
+    advise(out,
+           "%s of neighbouring texels lie more than %.3g source pixels apart: strokes will be cut there. A larger "
+           "--slack leaves more to choose from.",
            say_share(audit->jumps).text, audit->jump);
+  else if (jumps)
+    advise(out,
+           "%s of neighbouring texels lie more than %.3g source pixels apart: strokes will be cut there. --resolve %s "
+           "keeps neighbours together.",
+           say_share(audit->jumps).text, audit->jump, resolve);
   if (audit->unstable > much && report->guide->bits < 32)
     advise(out,
            "%s of the texels go elsewhere when the guide is disturbed by its own %d-bit rounding. Float normals "
@@ -231,16 +254,12 @@ static void advise_on_guide(const StyReport *report, const StyFacts *facts, StyO
 
 static void advise_on_size(const StyReport *report, const StyFacts *facts, StyOpinion *out) {
   const StyAudit *audit = report->audit;
-  const StyLutSpec *spec = &audit->spec;
-  const int table = spec->width > spec->height ? spec->width : spec->height;
-  const int source = report->guide->width > report->guide->height ? report->guide->width : report->guide->height;
-  const bool grown = audit->lookup.mean > growth_between * audit->assignment.mean;
-  if (grown && source > table && spec->sampling != STY_SAMPLE_UNORM8)
+  if (is_small(report))
     advise(out,
            "The table is small for its guide: at its texels the error is %.2f degrees on average, between them %.2f "
            "(p99 %.2f). A larger -s closes the gap; where the frames' guides are 8-bit, --sampling unorm8 -s 256 does.",
            audit->assignment.mean, audit->lookup.mean, audit->lookup.p99);
-  if (facts->rim > 0.8 && spec->map == STY_MAP_XY && audit->assignment.p99 > 3 * audit->assignment.p50 &&
+  if (facts->rim > 0.8 && audit->spec.map == STY_MAP_XY && audit->assignment.p99 > 3 * audit->assignment.p50 &&
       is_exact(audit) && audit->coverage >= bare && report->guide->bits > 8)
     advise(
         out,

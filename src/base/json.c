@@ -153,6 +153,8 @@ StyStatus sty_fail_value(const StyDocument *document, const StyPath *path, const
     snprintf(text, sizeof text, "\"%.100s\"", json_string_value(found));
   else if (json_is_number(found))
     snprintf(text, sizeof text, "%.12g", json_number_value(found));
+  else if (json_is_array(found))
+    snprintf(text, sizeof text, "a list of %zu", json_array_size(found));
   else
     snprintf(text, sizeof text, "%s", name_type(found));
   return fail_at(document, path, text, expected, error);

@@ -67,6 +67,9 @@ static StyStatus decode_pixels(const char *name, const Source *source, StyImage 
   float *coverage = sty_find_channel(guide, "A"), *normals[3];
   for (int k = 0; k < 3; k++) normals[k] = sty_find_channel(guide, NORMALS[k]);
   for (size_t i = 0; i < count; i++) {
+    if (source->alpha && isnan(source->alpha[i]))
+      return sty_fail(error, STY_ERROR_INPUT, "%s: found A = nan at pixel (%zu, %zu), expected a coverage of 0 or 1",
+                      name, i % (size_t)guide->width, i / (size_t)guide->width);
     if (!is_covered(source, i)) continue;
     coverage[i] = source->alpha ? fminf(source->alpha[i], 1) : 1; /* kept: it becomes the picture's alpha */
     for (int k = 0; k < 3; k++) {

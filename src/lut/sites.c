@@ -80,15 +80,26 @@ static StyStatus fail_value(const Collection *c, const StySites *sites, StyError
                   (double)STY_MAX_GUIDE_VALUE);
 }
 
-/* Lists the covered pixels; without a branch, since at a silhouette none would be foreseen. */
-static void find_covered(const Collection *c, StySites *sites) {
+/* Lists the covered pixels; without a branch, since at a silhouette none would be foreseen.
+ * False: a coverage isn't a number. */
+static bool find_covered(const Collection *c, StySites *sites) {
   const size_t pixels = sty_count_pixels(c->guide);
-  size_t count = 0;
+  size_t count = 0, odd = 0;
   for (size_t i = 0; i < pixels; i++) {
     sites->pixels[count] = (uint32_t)i;
     count += c->covered[i] > 0;
+    odd += isnan(c->covered[i]) != 0;
   }
   sites->count = count;
+  return !odd;
+}
+
+static StyStatus fail_coverage(const Collection *c, StyError *error) {
+  const size_t width = (size_t)c->guide->width;
+  size_t i = 0;
+  while (!isnan(c->covered[i])) i++;
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found A = nan at pixel (%zu, %zu), expected a coverage of 0 or 1",
+                  c->name, i % width, i / width);
 }
 
 /* Copies their values; -0 becomes 0. False: one can't be used. */
@@ -106,18 +117,23 @@ static inline bool copy_values(const Collection *c, int dims, StySites *sites) {
 static StyStatus create_sites(const Collection *c, StySites **out, StyError *error) {
   const size_t pixels = sty_count_pixels(c->guide), dims = (size_t)c->dims;
   StySites *sites = calloc(1, sizeof *sites);
+  bool numbers = true;
   if (sites) {
     *sites = (StySites){.width = c->guide->width, .height = c->guide->height, .dims = c->dims};
     sites->pixels = sty_allocate_large((pixels + 1) * sizeof *sites->pixels);
     sites->features = malloc(dims * sizeof *sites->features);
   }
   if (sites && sites->pixels) {
-    find_covered(c, sites);
+    numbers = find_covered(c, sites);
     sites->values = sty_allocate_large(sites->count * dims * sizeof *sites->values);
   }
   if (!sites || !sites->values || !sites->features) {
     sty_destroy_sites(&sites);
     return sty_fail_memory(error, c->name, (double)pixels * (double)(dims + 1) * 4);
+  }
+  if (!numbers) {
+    sty_destroy_sites(&sites);
+    return fail_coverage(c, error);
   }
   memcpy(sites->features, c->features, dims * sizeof *sites->features);
   *out = sites;

@@ -130,6 +130,15 @@ static void test_sphere(void **state) {
   close_case(&c);
 }
 
+static void test_small_table(void **state) {
+  (void)state;
+  Case c = open_case(make_sphere(64), 6);
+  const StyOpinion opinion = judge(&c, NULL);
+  expect_opinion(&opinion, STY_JUDGED_FAIR, "nearest pixel, but the table is small for its guide.");
+  expect_advice(&opinion, "A larger -s closes the gap");
+  close_case(&c);
+}
+
 /* Left or right half of a sphere: three of the eight sectors, each (1 - 1/4) / 8 of the disc, aren't there. */
 static void test_half_a_sphere(void **state) {
   (void)state;
@@ -375,6 +384,7 @@ static void test_long_names(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sphere),
+      cmocka_unit_test(test_small_table),
       cmocka_unit_test(test_half_a_sphere),
       cmocka_unit_test(test_every_direction),
       cmocka_unit_test(test_half_that_is_enough),

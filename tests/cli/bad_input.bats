@@ -289,8 +289,14 @@ make_empty_guide() {
 }
 
 @test "a guide with a value that is no number names its pixel" {
-  bring guide.exr
+  bring_all
   local value
+  oiiotool guide.exr --ch A --chnames Y -o coverage.exr
+  oiiotool --create 8x8 1 --fill:color=0 8x8 --box:color=1:fill=1 3,4,3,4 --ch 0 --mulc 3e38 --mulc 3e38 -d float --dup --sub coverage.exr --add --chnames A -o coverage.exr
+  oiiotool guide.exr --ch normal.X,normal.Y,normal.Z coverage.exr --chappend -d float -o holed.exr
+  refuse 3 'holed.exr: found A = nan at pixel (3, 4)' lut holed.exr -s 8 -o out.exr
+  refuse 3 'holed.exr: found A = nan at pixel (3, 4)' stylize bundle --guide holed.exr -o out.png
+  refuse 3 'holed.exr: found A = nan at pixel (3, 4)' match guide.exr holed.exr -o out.exr
   oiiotool guide.exr --ch A,normal.X,normal.Y,normal.Z --chnames R,G,B,A -o parts.exr
   for value in nan inf; do
     oiiotool guide.exr --ch normal.X --chnames Y -o plane.exr
@@ -367,6 +373,18 @@ make_empty_guide() {
   accept_warned 'away.exr: found normals facing away' lut away.exr -s 8 -o out.exr
   accept_warned 'away.exr: found normals facing away' check own.exr --guide guide.exr --frames away.exr
   accept_warned 'long.exr: found normals of other lengths than 1' lut long.exr -s 8 -o out.exr
+  accept_warned 'long.exr: found normals of other lengths than 1' match guide.exr long.exr -o out.exr
+  # A sphere on opaque white, and one whose z was stored as it is.
+  accept guide sphere -s 40 -c normal -o ball.png
+  oiiotool --create 40x40 4 --fill:color=1,1,1,1 40x40 -d uint8 -o white.png
+  oiiotool ball.png white.png --over -d uint8 -o on_white.png
+  oiiotool ball.png --mulc 1,1,2,1 --addc 0,0,-1,0 -d uint8 -o stored.png
+  accept_warned 'on_white.png: found normals of other lengths than 1' lut on_white.png -s 8 -o out.exr
+  accept_warned 'stored.png: found normals of other lengths than 1' lut stored.png -s 8 -o out.exr
+  # Frames that show nothing.
+  oiiotool guide.exr --mulc 0 -o nothing.exr
+  accept_warned 'nothing.exr: found no covered pixel' stylize bundle --guide nothing.exr -o out.png
+  accept_warned 'nothing.exr: found no covered pixel' match guide.exr nothing.exr -o out.exr
 }
 
 @test "a table or a field in place of a guide" {
@@ -713,6 +731,8 @@ EOF
   done
   prove guide sphere -s 8 -c normal -o out.png
   refuse 1 --channels guide sphere -s 8 -c depth -o out.png
+  refuse 1 --fov guide scene mesh.obj -s 8 --fov 30 -o out.exr
+  refuse 1 --crease guide scene mesh.obj -s 8 --flat --crease 30 -o out.exr
 }
 
 @test "control characters in names are not echoed as they are" {

@@ -26,6 +26,9 @@ run_make() {
     accept "$command" --help
     expect_match "$command --help" "$output" "^Usage: stylut $command "
     expect_holds "$command --help" "$output" '--format=text|json'
+    local shown=$output
+    accept help "$command"
+    expect "help $command" "$output" "$shown"
     accept "$command" '-?'
     accept "$command" --junk --help
   done

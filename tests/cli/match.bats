@@ -116,7 +116,7 @@ same_fields() {
   dump exact.exr u,v,A >exact.txt
   local checks misses last=1
   for checks in 8 1024; do
-    accept match paths.exr frame.exr --channels full,LDE,LSE,LD12E,LIE -e flann-forest --trees 4 --checks $checks -o t.exr --format json
+    accept match paths.exr frame.exr -c full,LDE,LSE,LD12E,LIE -e flann-forest --trees 4 --checks $checks -o t.exr --format json
     expect 'approximate engine' "$(json - '[r.engine, r.exact].join()' <<<"$output")" flann-forest,false
     dump t.exr u,v,A >found.txt
     misses=$(paste -d' ' exact.txt found.txt | awk '$5 > 0 { n++; if ($3 != $8 || $4 != $9) miss++ } END { print miss / n }')
