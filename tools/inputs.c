@@ -30,9 +30,7 @@ static void warn_about_normals(const Options *options, const char *path, const S
     odd += !(squared > shortest * shortest && squared < longest * longest);
     away += normal[2][p] < 0;
   }
-  if (!count)
-    warn(options, "%s: found no covered pixel, expected a guide that shows something", clean_text(path));
-  else if ((double)odd > most * (double)count)
+  if ((double)odd > most * (double)count)
     warn(options, "%s: found normals of other lengths than 1 in %.0f %% of the covered pixels, expected unit normals",
          clean_text(path), 100 * (double)odd / (double)count);
   else if (2 * away > count)

@@ -98,6 +98,9 @@ static void measure_errors(const StyField *field, Account *account) {
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "search", "write"};
   const StySites *sites = account->sites;
+  if (!account->matched)
+    warn(&arguments->options, "%s: found no covered pixel, expected a frame that shows something",
+         clean_text(arguments->files[TARGET]));
   if (arguments->options.json) {
     json_t *report =
         json_pack("{s:s, s:s, s:b, s:I, s:I, s:I, s:f, s:f, s:o, s:f}", "schema", "stylut-match/1", "engine",

@@ -263,6 +263,9 @@ typedef struct Account {
 static StyStatus print_report(const Arguments *arguments, const Work *work, const Account *account, StyError *error) {
   static const char *const stages[] = {"load", "read", "transfer", "blend", "write"};
   const double share = account->covered ? (double)account->fallback / (double)account->covered : 0;
+  if (!account->covered && !account->unnamed)
+    warn(&arguments->options, "%s: found no covered pixel, expected a frame that shows something",
+         clean_text(arguments->guide));
   if (share > hopeless)
     warn(&arguments->options,
          "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the convention of "

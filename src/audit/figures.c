@@ -74,8 +74,11 @@ static int get_error_bin(double error) {
 void sty_add_error(StyTally *tally, double angle, double weight, const int texel[2], const float g[2], uint32_t pixel,
                    int source_width) {
   if (!(weight > 0)) return;
-  if (tally->count == 0 || angle > tally->figures.max) {
-    tally->figures.max = angle;
+  /* All figures are of the rounded values: a percentile must not exceed the largest. */
+  const StySample sample = {(float)angle, (float)weight};
+  const double error = (double)sample.error, counts = (double)sample.weight;
+  if (tally->count == 0 || error > tally->figures.max) {
+    tally->figures.max = error;
     for (int k = 0; k < 2; k++) {
       tally->figures.texel[k] = texel[k];
       tally->figures.value[k] = g[k];
@@ -83,12 +86,11 @@ void sty_add_error(StyTally *tally, double angle, double weight, const int texel
     tally->figures.source[0] = (int)(pixel % (uint32_t)source_width);
     tally->figures.source[1] = (int)(pixel / (uint32_t)source_width);
   }
-  const StySample sample = {(float)angle, (float)weight};
   tally->samples[tally->count++] = sample;
-  tally->sum += (double)sample.weight * angle;
-  tally->weight += (double)sample.weight;
-  tally->bins[get_bits(sample.error) >> HALF] += (double)sample.weight;
-  tally->figures.shares[get_error_bin(angle)] += (double)sample.weight;
+  tally->sum += counts * error;
+  tally->weight += counts;
+  tally->bins[get_bits(sample.error) >> HALF] += counts;
+  tally->figures.shares[get_error_bin(error)] += counts;
 }
 
 /* The bin in which the weight `*before` the first grows past `wanted`; then it is that before this bin. */

@@ -584,7 +584,9 @@ function drawRadius() {
   drawAxes(svg, x, y, v => show(v), showDegrees, 'radius of the guide value')
   drawKey(svg, [['half', '#9bb9de'], ['95 %', blue], ['worst', '#1d232b']])
   for (const [k, colour] of [[2, '#1d232b'], [1, blue], [0, '#9bb9de']])
-    drawLine(svg, rings.flatMap((ring, r) => ring ? [[x((r + 0.5) / rings.length), y(ring[k])]] : []), colour, k === 2 ? { 'stroke-width': 1.2 } : {})
+    drawLine(svg, found.length > 1 ? rings.flatMap((ring, r) => ring ? [[x((r + 0.5) / rings.length), y(ring[k])]] : []) : [], colour, k === 2 ? { 'stroke-width': 1.2 } : {})
+  /* One ring makes no line. */
+  if (found.length === 1) svg.append(draw('circle', { cx: x((rings.indexOf(found[0]) + 0.5) / rings.length), cy: y(most), r: 3, fill: '#1d232b' }))
 }
 
 function drawUsage() {
@@ -592,7 +594,7 @@ function drawUsage() {
   const svg = addSvg(card, 'usage of the guide\u2019s pixels'), entries = ['0', '1', '2-7', '8-19', '20+'].map(k => [k, audit.usage[k]])
   const all = entries.reduce((sum, e) => sum + e[1], 0)
   entries.forEach(([name, count], k) => {
-    const y = 14 + k * 42, width = (WIDTH - 150) * count / Math.max(all, 1)
+    const y = 14 + k * 42, width = (WIDTH - 190) * count / Math.max(all, 1)
     svg.append(draw('text', { x: 44, y: y + 17, 'text-anchor': 'end', class: 'strong' }, name.replace('-', '\u2013')))
     svg.append(draw('rect', { x: 52, y, width: Math.max(width, count ? 1 : 0), height: 24, rx: 2, fill: k ? '#9bb9de' : '#d3d8de' }))
     svg.append(draw('text', { x: 58 + width, y: y + 16 }, count ? `${showShare(count / all)} (${showCount(count)})` : '0'))
