@@ -128,8 +128,10 @@ static StyStatus build_row(void *context, long j, StyError *error) {
 
 /* ---- as many checks as an aim takes ------------------------------------------- */
 
-/* Of the table's texels so many, evenly spaced, say how often the forest is right. */
-enum { MOST_SAMPLED = 256, LEAST_CHECKS = 8 };
+/* Of the table's texels so many, evenly spaced, say how often the forest is right; fewer of them
+ * where each is compared with a great many points. */
+enum { MOST_SAMPLED = 256, LEAST_SAMPLED = 16, LEAST_CHECKS = 8 };
+static const size_t most_comparisons = (size_t)1 << 26;
 
 typedef struct Sample {
   StyQuery queries[MOST_SAMPLED];
@@ -140,7 +142,9 @@ typedef struct Sample {
 static void take_sample(const Job *job, Sample *sample) {
   const StyMeasure *measure = &job->points->measure;
   const size_t texels = sty_count_texels(&job->lut->spec), width = (size_t)job->lut->spec.width;
-  sample->count = texels < MOST_SAMPLED ? (int)texels : MOST_SAMPLED;
+  size_t count = most_comparisons / job->points->count;
+  count = count < LEAST_SAMPLED ? LEAST_SAMPLED : count > MOST_SAMPLED ? MOST_SAMPLED : count;
+  sample->count = (int)(count < texels ? count : texels);
   for (int s = 0; s < sample->count; s++) {
     const size_t texel = (size_t)s * texels / (size_t)sample->count;
     StyQuery *query = &sample->queries[s];

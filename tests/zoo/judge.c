@@ -9,6 +9,12 @@
 
 #include "stylut/guide.h"
 
+void (*zoo_clock)(void);
+
+static void start_clock(void) {
+  if (zoo_clock) zoo_clock();
+}
+
 void break_verdict(ZooVerdict *verdict, const char *format, ...) {
   if (verdict->outcome == ZOO_BROKEN) return;
   verdict->outcome = ZOO_BROKEN;
@@ -157,6 +163,7 @@ static void judge_build(const StyImage *guide, const StySites *sites, const StyE
   const StyRun run = {.threads = threads};
   StyError error = {STY_OK, ""};
   StyLut *lut = NULL;
+  start_clock();
   const StyStatus status = sty_build_lut(sites, engine, NULL, &reference->spec, &run, &lut, &error);
   if (status) {
     note_status(engine, status, &error, what, verdict);
@@ -260,6 +267,7 @@ static void judge_slack(const StyImage *guide, const StySites *sites, const StyL
                                      .frames = frames,
                                      .frame_count = resolve != COHERENT ? 2 : 0};
   StyLut *lut = copy_lut(base);
+  start_clock();
   const StyStatus status = lut ? sty_resolve_lut(lut, sites, &options, NULL, &error) : STY_ERROR_LIBRARY;
   if (status) {
     break_verdict(verdict, "%s: status %d, %s", look, status, error.text);
@@ -296,6 +304,7 @@ void judge_audit(const StyImage *guide, const StyLut *exact, StyWeights weights,
   StyAudit audit;
   const StyImage *const frames[] = {get_sphere()};
   const StyAuditOptions options = {.tolerance = 4 * STY_LEVEL, .weights = weights, .frames = frames, .frame_count = 1};
+  start_clock();
   const StyStatus status = sty_audit_lut(exact, exact, guide, &options, NULL, &audit, NULL, &error);
   if (status) {
     break_verdict(verdict, "%s: status %d, %s", what, status, error.text);

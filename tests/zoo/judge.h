@@ -37,6 +37,10 @@ typedef struct ZooVerdict {
   char note[1200];             /* of what is broken, refused or unsuited: a line */
 } ZooVerdict;
 
+/* Called before every table that is built, resolved or audited, where it isn't NULL: each has
+ * a time of its own. */
+extern void (*zoo_clock)(void);
+
 /* Notes the first claim that doesn't hold. */
 void break_verdict(ZooVerdict *verdict, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

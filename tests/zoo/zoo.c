@@ -150,16 +150,13 @@ static void build_references(Subject *subject, ZooVerdict *verdict) {
 
 static void run_engine(Subject *subject, const StyEngine *engine, ZooVerdict *verdict) {
   for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo)) {
-    begin_table();
     judge_engine(subject->guide, subject->sites, engine, subject->references[look], verdict);
   }
 }
 
 static void run_resolve(Subject *subject, ZooVerdict *verdict) {
   for (int look = 0; look < ZOO_LOOKS; look += get_step(subject->zoo)) {
-    begin_table();
     judge_resolve(subject->guide, subject->sites, subject->references[look], verdict);
-    begin_table();
     judge_audit(subject->guide, subject->references[look], (StyWeights)(look % 3), verdict);
   }
 }
@@ -455,6 +452,7 @@ static bool is_wanted(const ZooCase *zoo, int argc, char **argv) {
 
 int main(int argc, char **argv) {
   static Page page;
+  zoo_clock = begin_table;
   set_columns(&page);
   for (const ZooCase *zoo = zoo_cases; zoo->name; zoo++)
     if (is_wanted(zoo, argc, argv)) run_case(&page, zoo);
