@@ -7,6 +7,7 @@
 #include "options.h"
 #include "stylut/image_io.h"
 #include "stylut/parse.h"
+#include "stylut/scene_file.h"
 
 typedef struct Arguments {
   Options options;
@@ -17,7 +18,8 @@ typedef struct Arguments {
   StyView view;
   StyMeshOptions mesh_options;
   bool flat;
-  const char *scene_only; /* an option that means nothing for a sphere */
+  const char *scene_only;  /* an option that means nothing for a sphere */
+  const char *camera_only; /* one that means nothing where a scene file has the camera */
 } Arguments;
 
 enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS };
@@ -27,7 +29,8 @@ static const double default_fov = 35;
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
     {"channels", 'c', "LIST", 0,
-     "comma-separated: normal, depth, position, object, or all (default: normal,depth); A, the coverage, is always "
+     "comma-separated: normal, depth, position, object, style, or all (default: normal,depth); A, the coverage, is "
+     "always "
      "there",
      0},
     {"bits", KEY_BITS, "8|16", 0, "precision of a PNG (default: 8)", 0},
@@ -63,23 +66,23 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
       arguments->bits = choice ? 16 : 8;
       return status;
     case KEY_VIEW:
-      arguments->scene_only = "--view";
+      arguments->scene_only = arguments->camera_only = "--view";
       return sty_parse_view("--view", text, &arguments->view, &options->error);
     case KEY_UP:
-      arguments->scene_only = "--up";
+      arguments->scene_only = arguments->camera_only = "--up";
       status = sty_parse_choice("--up", text, sty_up_axis_names, &choice, &options->error);
       arguments->view.up = (StyUpAxis)choice;
       return status;
     case KEY_CAMERA:
-      arguments->scene_only = "--camera";
+      arguments->scene_only = arguments->camera_only = "--camera";
       status = sty_parse_choice("--camera", text, cameras, &choice, &options->error);
       arguments->view.perspective = choice == 1;
       return status;
     case KEY_FOV:
-      arguments->scene_only = "--fov";
+      arguments->scene_only = arguments->camera_only = "--fov";
       return set_number(options, "--fov", text, 1, 170, &arguments->view.fov);
     case KEY_MARGIN:
-      arguments->scene_only = "--margin";
+      arguments->scene_only = arguments->camera_only = "--margin";
       return set_number(options, "--margin", text, 0, 0.45, &arguments->view.margin);
     case KEY_CREASE:
       arguments->scene_only = "--crease";
@@ -114,6 +117,10 @@ static StyStatus check_arguments(Arguments *arguments) {
     return sty_fail(error, STY_ERROR_USAGE, "guide scene: found no mesh, expected a file name");
   if (kind == 0 && arguments->mesh)
     return sty_fail(error, STY_ERROR_USAGE, "guide sphere: found '%s', expected nothing more", arguments->mesh);
+  if (kind == 1 && arguments->camera_only && sty_is_scene_file(arguments->mesh))
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "option '%s': found with %s, expected it with a mesh: scene files have a camera",
+                    arguments->camera_only, arguments->mesh);
   if (kind == 0 && arguments->scene_only)
     return sty_fail(error, STY_ERROR_USAGE, "option '%s': found with 'guide sphere', expected with 'guide scene' only",
                     arguments->scene_only);
@@ -155,11 +162,12 @@ static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&commo
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH",
+    .args_doc = "sphere\nscene MESH|SCENE.json",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
-        "fitted to it. FILE.exr holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+        "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
+        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
     .children = children,
 };
 
@@ -170,19 +178,30 @@ typedef struct Account {
   StyTraceTimes trace;
 } Account;
 
+/* A scene file, or a mesh that stands alone. */
+static StyStatus read_scene(const Arguments *arguments, StyScene **scene, StyViewpoint *viewpoint, StyError *error) {
+  if (sty_is_scene_file(arguments->mesh))
+    return sty_read_scene(arguments->mesh, &arguments->mesh_options, scene, viewpoint, error);
+  StyMesh *mesh = NULL;
+  *viewpoint = (StyViewpoint){.is_fit = true, .view = arguments->view};
+  const StyStatus status = sty_read_mesh(arguments->mesh, &arguments->mesh_options, &mesh, error);
+  return status ? status : sty_wrap_mesh(&mesh, scene, error);
+}
+
 static StyStatus render(Arguments *arguments, Account *account, StyImage **out) {
   StyError *error = &arguments->options.error;
   if (!arguments->mesh)
     return sty_make_sphere_guide(arguments->width, arguments->height, arguments->groups, out, error);
   StyScene *scene = NULL;
+  StyViewpoint viewpoint;
   StyCamera camera;
   const double start = sty_get_milliseconds();
-  StyStatus status = sty_read_mesh(arguments->mesh, &arguments->mesh_options, &scene, error);
+  StyStatus status = read_scene(arguments, &scene, &viewpoint, error);
   account->read_ms = sty_get_milliseconds() - start;
-  if (!status) status = sty_fit_camera(scene, &arguments->view, arguments->width, arguments->height, &camera, error);
+  if (!status) status = sty_set_camera(scene, &viewpoint, arguments->width, arguments->height, &camera, error);
   if (!status) {
     const StyTraceOptions trace = {arguments->width, arguments->height, arguments->groups, arguments->flat};
-    account->triangles = scene->triangle_count;
+    account->triangles = sty_count_scene_triangles(scene);
     const StyRun run = begin_progress(&arguments->options, "tracing");
     if (!arguments->options.dry_run)
       status = sty_trace_guide(scene, &camera, &trace, &run, &account->trace, out, error);

@@ -25,50 +25,50 @@ enum { WIDTH = 1920, HEIGHT = 1080, PIXELS = WIDTH * HEIGHT };
 enum { AROUND = 400, ACROSS = 200 };
 static const double ring_radius = 0.65, tube_radius = 0.3;
 
-static void set_torus_vertex(StyScene *scene, int around, int across) {
+static void set_torus_vertex(StyMesh *mesh, int around, int across) {
   const double a = 2 * M_PI * around / AROUND, b = 2 * M_PI * across / ACROSS;
   const double normal[3] = {cos(a) * cos(b), sin(b), sin(a) * cos(b)}, centre[3] = {cos(a), 0, sin(a)};
   const size_t v = (size_t)around * ACROSS + (size_t)across;
   for (int k = 0; k < 3; k++) {
-    scene->positions[3 * v + (size_t)k] = (float)(ring_radius * centre[k] + tube_radius * normal[k]);
-    scene->normals[3 * v + (size_t)k] = (float)normal[k];
+    mesh->positions[3 * v + (size_t)k] = (float)(ring_radius * centre[k] + tube_radius * normal[k]);
+    mesh->normals[3 * v + (size_t)k] = (float)normal[k];
   }
 }
 
-static void set_torus_quad(StyScene *scene, int around, int across) {
+static void set_torus_quad(StyMesh *mesh, int around, int across) {
   const int next_around = (around + 1) % AROUND, next_across = (across + 1) % ACROSS;
   const uint32_t corners[4] = {(uint32_t)(around * ACROSS + across), (uint32_t)(around * ACROSS + next_across),
                                (uint32_t)(next_around * ACROSS + next_across),
                                (uint32_t)(next_around * ACROSS + across)};
   const uint32_t triangles[6] = {corners[0], corners[1], corners[2], corners[0], corners[2], corners[3]};
   const size_t first = 2 * ((size_t)around * ACROSS + (size_t)across);
-  memcpy(scene->indices + 3 * first, triangles, sizeof triangles);
-  scene->object_ids[first] = scene->object_ids[first + 1] = 1;
+  memcpy(mesh->indices + 3 * first, triangles, sizeof triangles);
+  mesh->part_ids[first] = mesh->part_ids[first + 1] = 1;
 }
 
-static StyStatus make_torus(StyScene **out, StyError *error) {
+static StyStatus make_torus(StyMesh **out, StyError *error) {
   const size_t vertices = (size_t)AROUND * ACROSS, triangles = 2 * vertices;
-  StyScene *scene = calloc(1, sizeof *scene);
-  if (!scene) return sty_fail_memory(error, "bench", sizeof *scene);
-  *scene = (StyScene){.vertex_count = vertices, .triangle_count = triangles, .object_count = 1, .scale = 1};
-  scene->positions = calloc(3 * vertices + 1, sizeof *scene->positions);
-  scene->normals = calloc(3 * vertices, sizeof *scene->normals);
-  scene->indices = calloc(3 * triangles, sizeof *scene->indices);
-  scene->object_ids = calloc(triangles, sizeof *scene->object_ids);
-  if (!scene->positions || !scene->normals || !scene->indices || !scene->object_ids) {
-    sty_destroy_scene(&scene);
+  StyMesh *mesh = calloc(1, sizeof *mesh);
+  if (!mesh) return sty_fail_memory(error, "bench", sizeof *mesh);
+  *mesh = (StyMesh){.vertex_count = vertices, .triangle_count = triangles, .part_count = 1, .scale = 1};
+  mesh->positions = calloc(3 * vertices + 1, sizeof *mesh->positions);
+  mesh->normals = calloc(3 * vertices, sizeof *mesh->normals);
+  mesh->indices = calloc(3 * triangles, sizeof *mesh->indices);
+  mesh->part_ids = calloc(triangles, sizeof *mesh->part_ids);
+  if (!mesh->positions || !mesh->normals || !mesh->indices || !mesh->part_ids) {
+    sty_destroy_mesh(&mesh);
     return sty_fail_memory(error, "bench", (double)vertices * 56);
   }
   for (int around = 0; around < AROUND; around++)
     for (int across = 0; across < ACROSS; across++) {
-      set_torus_vertex(scene, around, across);
-      set_torus_quad(scene, around, across);
+      set_torus_vertex(mesh, around, across);
+      set_torus_quad(mesh, around, across);
     }
   for (int k = 0; k < 3; k++) {
-    scene->maximum[k] = k == 1 ? tube_radius : ring_radius + tube_radius;
-    scene->minimum[k] = -scene->maximum[k];
+    mesh->maximum[k] = k == 1 ? tube_radius : ring_radius + tube_radius;
+    mesh->minimum[k] = -mesh->maximum[k];
   }
-  *out = scene;
+  *out = mesh;
   return STY_OK;
 }
 
@@ -80,7 +80,9 @@ typedef struct Tracing {
 static StyStatus open_tracing(Tracing *out, StyError *error) {
   static const StyView view = {.azimuth = 35, .elevation = 40, .margin = 0.05};
   *out = (Tracing){0};
-  const StyStatus status = make_torus(&out->scene, error);
+  StyMesh *torus = NULL;
+  StyStatus status = make_torus(&torus, error);
+  if (!status) status = sty_wrap_mesh(&torus, &out->scene, error);
   return status ? status : sty_fit_camera(out->scene, &view, WIDTH, HEIGHT, &out->camera, error);
 }
 

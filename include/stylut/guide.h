@@ -6,6 +6,7 @@
  *   depth.Z              distance along the view axis, scene units; miss +inf
  *   position.X .Y .Z     world position; miss 0
  *   object.I             id of the part, 1 and up; miss 0
+ *   style.I              id of the style that the scene gives it, 0 = none; miss 0
  * View space: +X right, +Y up, +Z toward the viewer. A shading normal that
  * would face away from its view ray is bent to the horizon. */
 #ifndef STYLUT_GUIDE_H
@@ -25,6 +26,7 @@ typedef enum StyChannelGroup {
   STY_GUIDE_DEPTH = 1 << 1,
   STY_GUIDE_POSITION = 1 << 2,
   STY_GUIDE_OBJECT = 1 << 3,
+  STY_GUIDE_STYLE = 1 << 4,
 } StyChannelGroup;
 
 /* "normal,depth,..." or "all" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */

@@ -49,6 +49,14 @@ StyStatus sty_get_number(const StyDocument *document, const StyPath *path, const
 StyStatus sty_get_integer(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
                           int minimum, int maximum, int *out, StyError *error);
 
+/* `count` of them, each finite and within the bounds. */
+StyStatus sty_get_numbers(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                          double minimum, double maximum, int count, double *out, StyError *error);
+
+/* One of a NULL-terminated list of words, by its index. */
+StyStatus sty_get_choice(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                         const char *const *words, int *out, StyError *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,53 +1,70 @@
-/* The scene: triangles and a camera, no more than guides need.
+/* The scene: what stands where, and from where it is seen, no more than guides need.
  *
- * Frames. World: as in the mesh file, right-handed. View: +X right, +Y up,
- * +Z toward the viewer (the camera looks along -Z). Trace space, used inside:
- * world recentred and rescaled so that the scene fits the cube [-1, 1]^3,
- * because ray casters miss geometry that is tiny or far from the origin;
- * world = trace / scale + centre. */
+ * Frames. World: right-handed; objects bring their file's coordinates there by
+ * their transform. View: +X right, +Y up, +Z toward the viewer (the camera looks
+ * along -Z). Trace space, used inside: world recentred and rescaled so that the
+ * scene fits the cube [-1, 1]^3, as in mesh.h; world = trace / scale + centre. */
 #ifndef STYLUT_SCENE_H
 #define STYLUT_SCENE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include "stylut/status.h"
+#include "stylut/mesh.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+enum { STY_MOST_OBJECTS = 65536, STY_MOST_STYLE = 255 };
+
+/* A mesh put into the world; several may share one. */
+typedef struct StyObject {
+  int mesh;               /* index in the scene */
+  double transform[3][4]; /* the file's coordinates to the world's; the last column moves */
+  int style;              /* 1 .. STY_MOST_STYLE, 0 = none */
+  int first_id;           /* part p of the mesh has object.I = first_id + p - 1; set by sty_finish_scene */
+} StyObject;
+
+/* An analytic sphere: exact wherever it is looked at. */
+typedef struct StySphere {
+  double centre[3], radius; /* world */
+  int style;                /* as above */
+  int id;                   /* its object.I; set by sty_finish_scene */
+} StySphere;
+
 typedef struct StyScene {
-  size_t vertex_count;
-  size_t triangle_count;
-  int object_count;              /* parts of the file; ids are 1 .. object_count */
-  float *positions;              /* 3 per vertex, trace space; one more float follows (Embree reads 16 bytes) */
-  float *normals;                /* 3 per vertex, unit length, world frame */
-  uint32_t *indices;             /* 3 per triangle, counter-clockwise seen from outside */
-  uint32_t *object_ids;          /* 1 per triangle */
+  StyMesh **meshes; /* owned */
+  int mesh_count;
+  StyObject *objects;
+  int object_count;
+  StySphere *spheres;
+  int sphere_count;
   double centre[3];              /* world */
   double scale;                  /* trace units per world unit */
   double minimum[3], maximum[3]; /* world bounds */
 } StyScene;
 
-typedef struct StyMeshOptions {
-  /* Edges sharper than this stay hard where normals are computed, degrees
-   * 0..180. Negative: the file's own normals where it has them, else 60. STL
-   * files count as having none, since that format can only store facets. */
-  double crease_angle;
-} StyMeshOptions;
+extern const double sty_identity[3][4];
 
-/* Imports OBJ, PLY, STL, glTF or OFF through Assimp. Every index and coordinate
- * is checked. Zero-area triangles are left out. The caller owns the scene.
- * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
- * faces, all faces without area, NaN or infinite coordinates, indices out of
- * range; the message names the file and the first offending vertex or face),
- * STY_ERROR_LIBRARY (memory). */
-StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyScene **out, StyError *error);
-
-/* Frees and nulls *scene. */
+/* An empty scene; the caller owns it. Frees and nulls *scene and all it owns. */
+StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
+
+/* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
+ * which it is. STY_ERROR_INPUT: a transform without a volume or with values that aren't
+ * finite, a radius that isn't positive, more than STY_MOST_OBJECTS. */
+StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *error);
+StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error);
+StyStatus sty_add_sphere(StyScene *scene, const StySphere *sphere, StyError *error);
+
+/* To be called when all is there: numbers objects, their parts in turn and then spheres,
+ * from 1, and sets bounds and trace space. STY_ERROR_INPUT: an empty scene, one without
+ * extent, or one that reaches beyond 1e30. */
+StyStatus sty_finish_scene(StyScene *scene, StyError *error);
+
+/* A scene of one mesh as it stands in its file, of style 1, finished; the mesh is taken over. */
+StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error);
+
+/* Triangles of all objects, shared ones counted for each. */
+size_t sty_count_scene_triangles(const StyScene *scene);
 
 /* The world axis that points up. Its "front", where azimuth is 0, is seen from
  * +Z, and for +Z up from -Y, for -Z up from +Y. */
@@ -84,6 +101,18 @@ typedef struct StyCamera {
  * margin, for a picture of width x height square pixels. */
 StyStatus sty_fit_camera(const StyScene *scene, const StyView *view, int width, int height, StyCamera *out,
                          StyError *error);
+
+/* A camera that stands somewhere, world frame. */
+typedef struct StyStand {
+  bool perspective;
+  double position[3], target[3], up[3];
+  double fov;    /* vertical opening, degrees, 1..170; perspective only */
+  double height; /* of what the film sees, world units; orthographic only */
+} StyStand;
+
+/* STY_ERROR_INPUT: a stand without a direction, an up that it looks along, or a film without a size. */
+StyStatus sty_place_camera(const StyScene *scene, const StyStand *stand, int width, int height, StyCamera *out,
+                           StyError *error);
 
 #ifdef __cplusplus
 }

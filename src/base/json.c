@@ -220,3 +220,39 @@ StyStatus sty_get_integer(const StyDocument *document, const StyPath *path, cons
   *out = (int)number;
   return STY_OK;
 }
+
+StyStatus sty_get_numbers(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                          double minimum, double maximum, int count, double *out, StyError *error) {
+  const json_t *list = json_object_get(object, key);
+  const StyPath list_path = {path, key, 0};
+  char expected[96];
+  if (!list) return STY_OK;
+  snprintf(expected, sizeof expected, "a list of %d numbers", count);
+  if (!json_is_array(list) || json_array_size(list) != (size_t)count)
+    return sty_fail_value(document, &list_path, list, expected, error);
+  snprintf(expected, sizeof expected, "a number from %g to %g", minimum, maximum);
+  for (size_t i = 0; i < (size_t)count; i++) {
+    const json_t *value = json_array_get(list, i);
+    const double number = json_number_value(value);
+    if (!json_is_number(value) || !(number >= minimum && number <= maximum))
+      return sty_fail_value(document, &(StyPath){&list_path, NULL, i}, value, expected, error);
+    out[i] = number;
+  }
+  return STY_OK;
+}
+
+StyStatus sty_get_choice(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                         const char *const *words, int *out, StyError *error) {
+  const json_t *value = json_object_get(object, key);
+  if (!value) return STY_OK;
+  char expected[160] = "";
+  for (int w = 0; words[w]; w++) {
+    if (json_is_string(value) && strcmp(json_string_value(value), words[w]) == 0) {
+      *out = w;
+      return STY_OK;
+    }
+    const size_t used = strlen(expected);
+    snprintf(expected + used, sizeof expected - used, "%s\"%s\"", w ? ", " : "one of ", words[w]);
+  }
+  return sty_fail_value(document, &(StyPath){path, key, 0}, value, expected, error);
+}

@@ -9,6 +9,7 @@ const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT] = {
     {STY_GUIDE_DEPTH, "depth", 1, {"depth.Z"}, INFINITY, offsetof(StySample, depth)},
     {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, offsetof(StySample, position)},
     {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, offsetof(StySample, object)},
+    {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, offsetof(StySample, style)},
 };
 
 static unsigned get_all_groups(void) {

@@ -11,7 +11,7 @@
 #include "stylut/guide.h"
 
 #define STY_GROUP_CHANNELS 3 /* at most, per group */
-#define STY_GROUP_COUNT 4
+#define STY_GROUP_COUNT 5
 
 /* What a guide says about one covered pixel; only the groups asked for are set. */
 typedef struct StySample {
@@ -19,6 +19,7 @@ typedef struct StySample {
   double depth;
   double position[3];
   double object;
+  double style;
 } StySample;
 
 typedef struct StyChannelGroupInfo {

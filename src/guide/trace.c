@@ -1,13 +1,15 @@
-/* Guides of triangle scenes. Embree finds which triangle a pixel sees; where
+/* Guides of scenes. Embree finds which triangle or sphere a pixel sees; where
  * the ray meets it is worked out again here, in double and from the triangle's
  * number alone, so that values don't depend on the processor's vector units or
  * on how rays travel together. */
 #include <embree3/rtcore.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "guide/channels.h"
+#include "scene/points.h"
 #include "scene/vector.h"
 #include "stylut/version.h"
 
@@ -22,13 +24,69 @@ static const double START_SLACK = 1.0 / 1024;
 /* Embree aborts on absurd origins; a camera near the scene is far below this. */
 static const double LARGEST_CAMERA = 1e6;
 
-/* ---- acceleration structure ---- */
+/* ---- what is traced ---- */
+
+/* An object in the scene's trace space. */
+typedef struct Placed {
+  const StyMesh *mesh;
+  const StyObject *object;
+  double matrix[3][4];    /* from the mesh's trace space */
+  double cofactors[3][3]; /* for normals: proportional to the transform's inverse transpose */
+  bool is_unmoved;        /* the matrix is the identity */
+} Placed;
+
+/* A sphere in the scene's trace space. */
+typedef struct Ball {
+  double centre[3], radius;
+  const StySphere *sphere;
+} Ball;
 
 typedef struct Tracer {
   RTCDevice device;
   RTCScene scene;
+  RTCScene *trees; /* 1 per mesh; NULL where no object needs it */
+  Placed *placed;  /* 1 per object */
+  Ball *balls;     /* 1 per sphere */
+  const StyScene *model;
   char message[256]; /* what Embree complained about first */
 } Tracer;
+
+/* Scaled first, so that products of extreme transforms stay finite. */
+static void set_cofactors(const double transform[3][4], double out[3][3]) {
+  double most = 0, m[3][3];
+  for (int i = 0; i < 9; i++) most = fmax(most, fabs(transform[i / 3][i % 3]));
+  for (int i = 0; i < 9; i++) m[i / 3][i % 3] = transform[i / 3][i % 3] / most;
+  for (int i = 0; i < 3; i++) cross_vectors(m[(i + 1) % 3], m[(i + 2) % 3], out[i]);
+}
+
+static Placed place_object(const StyScene *scene, const StyObject *object) {
+  Placed placed = {.mesh = scene->meshes[object->mesh], .object = object};
+  sty_get_object_matrix(scene, object, placed.matrix);
+  set_cofactors(object->transform, placed.cofactors);
+  placed.is_unmoved = memcmp(placed.matrix, sty_identity, sizeof sty_identity) == 0;
+  return placed;
+}
+
+static Ball place_sphere(const StyScene *scene, const StySphere *sphere) {
+  Ball ball = {.radius = sphere->radius * scene->scale, .sphere = sphere};
+  for (int k = 0; k < 3; k++) ball.centre[k] = (sphere->centre[k] - scene->centre[k]) * scene->scale;
+  return ball;
+}
+
+static StyStatus place_all(Tracer *tracer, const StyScene *scene, StyError *error) {
+  const size_t objects = (size_t)scene->object_count, spheres = (size_t)scene->sphere_count;
+  tracer->model = scene;
+  tracer->trees = calloc((size_t)scene->mesh_count + 1, sizeof *tracer->trees);
+  tracer->placed = malloc((objects + 1) * sizeof *tracer->placed);
+  tracer->balls = malloc((spheres + 1) * sizeof *tracer->balls);
+  if (!tracer->trees || !tracer->placed || !tracer->balls)
+    return sty_fail_memory(error, "scene", (double)objects * sizeof *tracer->placed);
+  for (size_t o = 0; o < objects; o++) tracer->placed[o] = place_object(scene, &scene->objects[o]);
+  for (size_t s = 0; s < spheres; s++) tracer->balls[s] = place_sphere(scene, &scene->spheres[s]);
+  return STY_OK;
+}
+
+/* ---- acceleration structure ---- */
 
 static void keep_message(void *context, enum RTCError code, const char *text) {
   Tracer *tracer = context;
@@ -38,37 +96,105 @@ static void keep_message(void *context, enum RTCError code, const char *text) {
 
 static void release_tracer(Tracer *tracer) {
   if (tracer->scene) rtcReleaseScene(tracer->scene);
+  for (int m = 0; tracer->trees && m < tracer->model->mesh_count; m++)
+    if (tracer->trees[m]) rtcReleaseScene(tracer->trees[m]);
+  free(tracer->trees);
+  free(tracer->placed);
+  free(tracer->balls);
   if (tracer->device) rtcReleaseDevice(tracer->device);
 }
 
-static void attach_triangles(Tracer *tracer, const StyScene *scene) {
+static RTCGeometry make_triangles(const Tracer *tracer, const StyMesh *mesh) {
   RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  if (!geometry) return;
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene->positions, 0,
-                             3 * sizeof(float), scene->vertex_count);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene->indices, 0,
-                             3 * sizeof(uint32_t), scene->triangle_count);
+  if (!geometry) return NULL;
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                             3 * sizeof(float), mesh->vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                             3 * sizeof(uint32_t), mesh->triangle_count);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(tracer->scene, geometry);
+  return geometry;
+}
+
+/* Attached under its number, which is how a hit names it. */
+static void attach(RTCScene scene, RTCGeometry geometry, unsigned number) {
+  if (!geometry) return;
+  rtcAttachGeometryByID(scene, geometry, number);
   rtcReleaseGeometry(geometry);
+}
+
+static RTCScene make_tree(const Tracer *tracer) {
+  RTCScene scene = rtcNewScene(tracer->device);
+  if (scene) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  return scene;
+}
+
+/* A tree of its own for a mesh that several objects, or a moved one, show. */
+static RTCScene make_shared_tree(const Tracer *tracer, const StyMesh *mesh) {
+  RTCScene tree = make_tree(tracer);
+  if (!tree) return NULL;
+  attach(tree, make_triangles(tracer, mesh), 0);
+  rtcCommitScene(tree);
+  return tree;
+}
+
+static RTCGeometry make_instance(const Tracer *tracer, RTCScene tree, const double matrix[3][4]) {
+  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  if (!geometry) return NULL;
+  float columns[12];
+  for (int j = 0; j < 4; j++)
+    for (int i = 0; i < 3; i++) columns[3 * j + i] = (float)matrix[i][j];
+  rtcSetGeometryInstancedScene(geometry, tree);
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+static RTCGeometry make_spheres(const Tracer *tracer) {
+  const size_t count = (size_t)tracer->model->sphere_count;
+  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  if (!geometry) return NULL;
+  float *at = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
+  for (size_t s = 0; at && s < count; s++) {
+    for (int k = 0; k < 3; k++) at[4 * s + (size_t)k] = (float)tracer->balls[s].centre[k];
+    at[4 * s + 3] = (float)tracer->balls[s].radius;
+  }
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+/* Object o is geometry o, as it is or as an instance of its mesh's tree; all spheres are the one after them. */
+static void attach_all(Tracer *tracer) {
+  const StyScene *model = tracer->model;
+  for (int o = 0; o < model->object_count; o++) {
+    const Placed *placed = &tracer->placed[o];
+    RTCScene *tree = &tracer->trees[placed->object->mesh];
+    if (placed->is_unmoved) {
+      attach(tracer->scene, make_triangles(tracer, placed->mesh), (unsigned)o);
+      continue;
+    }
+    if (!*tree) *tree = make_shared_tree(tracer, placed->mesh);
+    if (*tree) attach(tracer->scene, make_instance(tracer, *tree, placed->matrix), (unsigned)o);
+  }
+  if (model->sphere_count) attach(tracer->scene, make_spheres(tracer), (unsigned)model->object_count);
 }
 
 /* One thread builds, whatever the run asks for: the order of triangles in the
  * tree depends on the number of builders, and decides which of two triangles
  * wins where a ray meets their common edge. */
 static StyStatus build_tracer(Tracer *tracer, const StyScene *scene, StyError *error) {
+  const StyStatus status = place_all(tracer, scene, error);
+  if (status) return status;
   tracer->device = rtcNewDevice("threads=1");
   if (!tracer->device)
     return sty_fail(error, STY_ERROR_LIBRARY, "Embree does not start (code %d)", (int)rtcGetDeviceError(NULL));
   rtcSetDeviceErrorFunction(tracer->device, keep_message, tracer);
-  tracer->scene = rtcNewScene(tracer->device);
+  tracer->scene = make_tree(tracer);
   if (tracer->scene) {
-    rtcSetSceneFlags(tracer->scene, RTC_SCENE_FLAG_ROBUST);
-    attach_triangles(tracer, scene);
+    attach_all(tracer);
     rtcCommitScene(tracer->scene);
   }
   if (rtcGetDeviceError(tracer->device) == RTC_ERROR_NONE && !tracer->message[0]) return STY_OK;
-  return sty_fail(error, STY_ERROR_LIBRARY, "Embree fails on %zu triangles: %s", scene->triangle_count,
+  return sty_fail(error, STY_ERROR_LIBRARY, "Embree fails on %zu triangles: %s", sty_count_scene_triangles(scene),
                   tracer->message);
 }
 
@@ -79,10 +205,9 @@ typedef struct Ray {
 } Ray;
 
 typedef struct Render {
-  const StyScene *scene;
+  const Tracer *tracer;
   const StyCamera *camera;
   const StyTraceOptions *options;
-  RTCScene tree;
   StyGuide guide;
 } Render;
 
@@ -118,62 +243,108 @@ static void set_packet_ray(struct RTCRayHit8 *packet, int i, const Ray *ray) {
 
 /* ---- shading ---- */
 
+/* Where a ray meets what it meets. */
 typedef struct Hit {
-  size_t triangle;
-  double corners[3][3]; /* trace space */
-  double normal[3];     /* of the facet, any length, on the viewer's side */
-  double weights[3];    /* barycentric */
+  double at[3];      /* trace space */
+  double facet[3];   /* normal of the surface itself, any length, on the viewer's side */
+  double shading[3]; /* the normal that light would see, unit length, on the same side */
+  int style, object;
 } Hit;
 
 static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
 
 /* Moeller and Trumbore 1997. `u` and `v` hold Embree's answer for a ray within
  * the triangle's plane, where there is no other. */
-static void set_weights(Hit *hit, const Ray *ray, const double ab[3], const double ac[3], double u, double v) {
+static void find_weights(const Ray *ray, const double corner[3], const double ab[3], const double ac[3], double u,
+                         double v, double weights[3]) {
   double p[3], q[3], from[3];
   cross_vectors(ray->direction, ac, p);
   const double determinant = dot_vectors(ab, p);
   if (determinant != 0) {
-    subtract_vectors(ray->origin, hit->corners[0], from);
+    subtract_vectors(ray->origin, corner, from);
     cross_vectors(from, ab, q);
     u = dot_vectors(from, p) / determinant;
     v = dot_vectors(ray->direction, q) / determinant;
   }
-  hit->weights[1] = clamp(u, 0, 1);
-  hit->weights[2] = clamp(v, 0, 1 - hit->weights[1]);
-  hit->weights[0] = 1 - hit->weights[1] - hit->weights[2];
+  weights[1] = clamp(u, 0, 1);
+  weights[2] = clamp(v, 0, 1 - weights[1]);
+  weights[0] = 1 - weights[1] - weights[2];
 }
 
-static Hit get_hit(const Render *render, const Ray *ray, const struct RTCRayHit8 *packet, int i) {
-  Hit hit = {.triangle = packet->hit.primID[i]};
-  for (int c = 0; c < 3; c++) {
-    const float *p = &render->scene->positions[3 * (size_t)render->scene->indices[3 * hit.triangle + (size_t)c]];
-    for (int k = 0; k < 3; k++) hit.corners[c][k] = p[k];
+static void get_corner(const Placed *placed, const uint32_t *corner, double out[3]) {
+  const float *p = &placed->mesh->positions[3 * (size_t)*corner];
+  for (int i = 0; i < 3; i++) {
+    const double *row = placed->matrix[i];
+    out[i] = placed->is_unmoved ? p[i] : row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
   }
-  double ab[3], ac[3];
-  subtract_vectors(hit.corners[1], hit.corners[0], ab);
-  subtract_vectors(hit.corners[2], hit.corners[0], ac);
-  cross_vectors(ab, ac, hit.normal);
-  if (dot_vectors(hit.normal, ray->direction) > 0)
-    for (int k = 0; k < 3; k++) hit.normal[k] = -hit.normal[k];
-  set_weights(&hit, ray, ab, ac, (double)packet->hit.u[i], (double)packet->hit.v[i]);
-  return hit;
 }
 
 /* On the facet's visible side whichever way the file's normals point, since
  * winding and normals of a file need not agree. */
-static void interpolate_normal(const Render *render, const Hit *hit, double out[3]) {
-  for (int k = 0; k < 3; k++) out[k] = 0;
+static void interpolate_normal(const Placed *placed, const uint32_t *corners, const double weights[3],
+                               const double facet[3], double out[3]) {
+  double own[3] = {0, 0, 0};
   for (int c = 0; c < 3; c++) {
-    const float *n = &render->scene->normals[3 * (size_t)render->scene->indices[3 * hit->triangle + (size_t)c]];
-    for (int k = 0; k < 3; k++) out[k] += hit->weights[c] * n[k];
+    const float *n = &placed->mesh->normals[3 * (size_t)corners[c]];
+    for (int k = 0; k < 3; k++) own[k] += weights[c] * n[k];
   }
+  for (int i = 0; i < 3; i++) out[i] = dot_vectors(placed->cofactors[i], own);
   if (!normalize_vector(out)) {
-    memcpy(out, hit->normal, 3 * sizeof *out);
+    memcpy(out, facet, 3 * sizeof *out);
     normalize_vector(out);
   }
-  if (dot_vectors(out, hit->normal) < 0)
+  if (dot_vectors(out, facet) < 0)
     for (int k = 0; k < 3; k++) out[k] = -out[k];
+}
+
+static void hit_triangle(const Placed *placed, unsigned triangle, double u, double v, const Ray *ray, Hit *hit) {
+  const uint32_t *indices = &placed->mesh->indices[3 * (size_t)triangle];
+  double corners[3][3], ab[3], ac[3], weights[3];
+  for (int c = 0; c < 3; c++) get_corner(placed, &indices[c], corners[c]);
+  subtract_vectors(corners[1], corners[0], ab);
+  subtract_vectors(corners[2], corners[0], ac);
+  cross_vectors(ab, ac, hit->facet);
+  if (dot_vectors(hit->facet, ray->direction) > 0)
+    for (int k = 0; k < 3; k++) hit->facet[k] = -hit->facet[k];
+  find_weights(ray, corners[0], ab, ac, u, v, weights);
+  for (int k = 0; k < 3; k++)
+    hit->at[k] = weights[0] * corners[0][k] + weights[1] * corners[1][k] + weights[2] * corners[2][k];
+  interpolate_normal(placed, indices, weights, hit->facet, hit->shading);
+  hit->style = placed->object->style;
+  hit->object = placed->object->first_id + (int)placed->mesh->part_ids[triangle] - 1;
+}
+
+/* From inside, the far wall. A ray that only Embree takes for a hit touches. */
+static void hit_sphere(const Ball *ball, const Ray *ray, Hit *hit) {
+  double from[3];
+  subtract_vectors(ray->origin, ball->centre, from);
+  const double a = dot_vectors(ray->direction, ray->direction), b = dot_vectors(from, ray->direction);
+  /* The distance of ray and centre, squared, without the cancellation of b*b - a*c. */
+  double nearest[3];
+  for (int k = 0; k < 3; k++) nearest[k] = from[k] - b / a * ray->direction[k];
+  const double half = sqrt(fmax(0, ball->radius * ball->radius - dot_vectors(nearest, nearest)) / a);
+  const double t = -b / a - half >= 0 ? -b / a - half : -b / a + half;
+  for (int k = 0; k < 3; k++) {
+    const double out = nearest[k] + (t + b / a) * ray->direction[k];
+    hit->at[k] = ball->centre[k] + out;
+    hit->facet[k] = out;
+  }
+  if (dot_vectors(hit->facet, ray->direction) > 0)
+    for (int k = 0; k < 3; k++) hit->facet[k] = -hit->facet[k];
+  memcpy(hit->shading, hit->facet, sizeof hit->shading);
+  normalize_vector(hit->shading);
+  hit->style = ball->sphere->style;
+  hit->object = ball->sphere->id;
+}
+
+static void find_hit(const Tracer *tracer, const Ray *ray, const struct RTCRayHit8 *packet, int i, Hit *hit) {
+  const unsigned instance = packet->hit.instID[0][i], geometry = packet->hit.geomID[i],
+                 triangle = packet->hit.primID[i];
+  const unsigned object = instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance;
+  if (object == (unsigned)tracer->model->object_count)
+    hit_sphere(&tracer->balls[triangle], ray, hit);
+  else
+    hit_triangle(&tracer->placed[object], triangle, (double)packet->hit.u[i], (double)packet->hit.v[i], ray, hit);
 }
 
 static void bend_to_horizon(const double direction[3], double normal[3]) {
@@ -188,10 +359,10 @@ static void bend_to_horizon(const double direction[3], double normal[3]) {
 static void shade_normal(const Render *render, const Hit *hit, const Ray *ray, double out[3]) {
   double normal[3];
   if (render->options->flat) {
-    memcpy(normal, hit->normal, sizeof normal);
+    memcpy(normal, hit->facet, sizeof normal);
     normalize_vector(normal);
   } else {
-    interpolate_normal(render, hit, normal);
+    memcpy(normal, hit->shading, sizeof normal);
     bend_to_horizon(ray->direction, normal);
   }
   out[0] = dot_vectors(normal, render->camera->right);
@@ -200,13 +371,11 @@ static void shade_normal(const Render *render, const Hit *hit, const Ray *ray, d
 }
 
 static void shade_place(const Render *render, const Hit *hit, StySample *sample) {
-  const StyScene *scene = render->scene;
+  const StyScene *scene = render->tracer->model;
   double from_eye[3];
   for (int k = 0; k < 3; k++) {
-    const double at = hit->weights[0] * hit->corners[0][k] + hit->weights[1] * hit->corners[1][k] +
-                      hit->weights[2] * hit->corners[2][k];
-    sample->position[k] = at / scene->scale + scene->centre[k];
-    from_eye[k] = at - render->camera->eye[k];
+    sample->position[k] = hit->at[k] / scene->scale + scene->centre[k];
+    from_eye[k] = hit->at[k] - render->camera->eye[k];
   }
   sample->depth = -dot_vectors(from_eye, render->camera->back) / scene->scale;
 }
@@ -214,12 +383,12 @@ static void shade_place(const Render *render, const Hit *hit, StySample *sample)
 static void shade_hit(const Render *render, const Ray *ray, const struct RTCRayHit8 *packet, int i, size_t pixel) {
   const unsigned groups = render->options->groups;
   StySample sample;
-  sample.object = render->scene->object_ids[packet->hit.primID[i]];
-  if (groups & ~(unsigned)STY_GUIDE_OBJECT) {
-    const Hit hit = get_hit(render, ray, packet, i);
-    if (groups & STY_GUIDE_NORMAL) shade_normal(render, &hit, ray, sample.normal);
-    if (groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, &hit, &sample);
-  }
+  Hit hit;
+  find_hit(render->tracer, ray, packet, i, &hit);
+  sample.object = hit.object;
+  sample.style = hit.style;
+  if (groups & STY_GUIDE_NORMAL) shade_normal(render, &hit, ray, sample.normal);
+  if (groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, &hit, &sample);
   sty_set_sample(&render->guide, pixel, &sample);
 }
 
@@ -236,7 +405,7 @@ static void trace_block(const Render *render, struct RTCIntersectContext *contex
     rays[i] = make_ray(render, x, y);
     set_packet_ray(&packet, i, &rays[i]);
   }
-  rtcIntersect8(valid, render->tree, context, &packet);
+  rtcIntersect8(valid, render->tracer->scene, context, &packet);
   for (int i = 0; i < BLOCK; i++) {
     if (!valid[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     const size_t x = (size_t)(x0 + i % BLOCK_WIDTH), y = (size_t)(y0 + i / BLOCK_WIDTH);
@@ -276,14 +445,13 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
 StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                           const StyRun *run, StyTraceTimes *times, StyImage **out, StyError *error) {
   Tracer tracer = {0};
-  Render render = {.scene = scene, .camera = camera, .options = options};
+  Render render = {.tracer = &tracer, .camera = camera, .options = options};
   StyStatus status = check_camera(camera, error);
   if (status != STY_OK) return status;
 
   const double begin = sty_get_milliseconds();
   status = build_tracer(&tracer, scene, error);
   const double built = sty_get_milliseconds();
-  render.tree = tracer.scene;
   if (status == STY_OK)
     status = sty_create_guide(options->width, options->height, options->groups, &render.guide, error);
   const long tiles = (long)count_tiles(options->width) * count_tiles(options->height);

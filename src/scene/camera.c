@@ -1,9 +1,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "scene/points.h"
 #include "scene/vector.h"
 #include "stylut/parse.h"
-#include "stylut/scene.h"
 
 /* Distance that a perspective eye keeps from the scene, trace units, where a
  * spike that fits the opening would otherwise touch it. */
@@ -77,10 +77,8 @@ static void set_axes(const StyView *view, StyCamera *camera) {
   cross_vectors(camera->back, camera->right, camera->up);
 }
 
-/* Vertex v in the view's axes. */
-static void get_view_position(const StyScene *scene, const StyCamera *camera, size_t v, double out[3]) {
-  const float *p = &scene->positions[3 * v];
-  const double at[3] = {p[0], p[1], p[2]};
+/* A point of trace space in the view's axes. */
+static void get_view_position(const StyCamera *camera, const double at[3], double out[3]) {
   out[0] = dot_vectors(at, camera->right);
   out[1] = dot_vectors(at, camera->up);
   out[2] = dot_vectors(at, camera->back);
@@ -92,43 +90,67 @@ static void place_eye(const double view_position[3], StyCamera *camera) {
         view_position[0] * camera->right[k] + view_position[1] * camera->up[k] + view_position[2] * camera->back[k];
 }
 
-/* The film holds the bounds; the eye's plane touches the nearest vertex. */
+typedef struct Bounds {
+  const StyCamera *camera;
+  double low[3], high[3];
+} Bounds;
+
+static void extend_bounds(void *context, const double point[3], double radius) {
+  Bounds *bounds = context;
+  double at[3];
+  get_view_position(bounds->camera, point, at);
+  for (int k = 0; k < 3; k++) {
+    bounds->low[k] = fmin(bounds->low[k], at[k] - radius);
+    bounds->high[k] = fmax(bounds->high[k], at[k] + radius);
+  }
+}
+
+/* The film holds the bounds; the eye's plane touches the nearest point. */
 static StyStatus fit_orthographic(const StyScene *scene, double share, double aspect, StyCamera *camera,
                                   StyError *error) {
-  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (size_t v = 0; v < scene->vertex_count; v++) {
-    double at[3];
-    get_view_position(scene, camera, v, at);
-    for (int k = 0; k < 3; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
-  }
-  const double half_width = (high[0] - low[0]) / 2, half_height = (high[1] - low[1]) / 2;
+  Bounds b = {camera, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  sty_visit_points(scene, extend_bounds, &b);
+  const double half_width = (b.high[0] - b.low[0]) / 2, half_height = (b.high[1] - b.low[1]) / 2;
   if (!(half_width > 0 || half_height > 0) || !isfinite(half_width + half_height))
     return sty_fail(error, STY_ERROR_INPUT, "camera: the scene has no extent in this view");
   camera->half_width = fmax(half_width, half_height * aspect) / share;
   camera->half_height = fmax(half_height, half_width / aspect) / share;
-  place_eye((double[3]){(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, high[2]}, camera);
+  place_eye((double[3]){(b.low[0] + b.high[0]) / 2, (b.low[1] + b.high[1]) / 2, b.high[2]}, camera);
   return STY_OK;
 }
 
-/* Vertex p is in the frustum of slope a when |p.x - e.x| <= a (e.z - p.z), and
+typedef struct Opening {
+  const StyCamera *camera;
+  double slopes[2], plus[2], minus[2], nearest;
+} Opening;
+
+/* Point p is in the frustum of slope a when |p.x - e.x| <= a (e.z - p.z), and
  * likewise for y: so e.z is at least half the sum of max(p.z + p.x/a) and
- * max(p.z - p.x/a), and half their difference, times a, centres the eye. */
-static StyStatus fit_perspective(const StyScene *scene, double share, StyCamera *camera, StyError *error) {
-  const double slopes[2] = {camera->half_width * share, camera->half_height * share};
-  double plus[2] = {-INFINITY, -INFINITY}, minus[2] = {-INFINITY, -INFINITY}, nearest = -INFINITY;
-  for (size_t v = 0; v < scene->vertex_count; v++) {
-    double at[3];
-    get_view_position(scene, camera, v, at);
-    nearest = fmax(nearest, at[2]);
-    for (int k = 0; k < 2; k++) {
-      plus[k] = fmax(plus[k], at[2] + at[k] / slopes[k]);
-      minus[k] = fmax(minus[k], at[2] - at[k] / slopes[k]);
-    }
-  }
-  double eye[3] = {0, 0, nearest + CLEARANCE};
+ * max(p.z - p.x/a), and half their difference, times a, centres the eye. Over a
+ * sphere both are greater than at its centre by r sqrt(1 + 1/a^2). */
+static void open_frustum(void *context, const double point[3], double radius) {
+  Opening *o = context;
+  double at[3];
+  get_view_position(o->camera, point, at);
+  o->nearest = fmax(o->nearest, at[2] + radius);
   for (int k = 0; k < 2; k++) {
-    eye[k] = (plus[k] - minus[k]) / 2 * slopes[k];
-    eye[2] = fmax(eye[2], (plus[k] + minus[k]) / 2);
+    const double reach = radius > 0 ? radius * sqrt(1 + 1 / (o->slopes[k] * o->slopes[k])) : 0;
+    o->plus[k] = fmax(o->plus[k], at[2] + at[k] / o->slopes[k] + reach);
+    o->minus[k] = fmax(o->minus[k], at[2] - at[k] / o->slopes[k] + reach);
+  }
+}
+
+static StyStatus fit_perspective(const StyScene *scene, double share, StyCamera *camera, StyError *error) {
+  Opening o = {camera,
+               {camera->half_width * share, camera->half_height * share},
+               {-INFINITY, -INFINITY},
+               {-INFINITY, -INFINITY},
+               -INFINITY};
+  sty_visit_points(scene, open_frustum, &o);
+  double eye[3] = {0, 0, o.nearest + CLEARANCE};
+  for (int k = 0; k < 2; k++) {
+    eye[k] = (o.plus[k] - o.minus[k]) / 2 * o.slopes[k];
+    eye[2] = fmax(eye[2], (o.plus[k] + o.minus[k]) / 2);
   }
   if (!isfinite(eye[0] + eye[1] + eye[2]))
     return sty_fail(error, STY_ERROR_INPUT, "camera: the scene has no finite extent");
@@ -167,4 +189,29 @@ StyStatus sty_fit_camera(const StyScene *scene, const StyView *view, int width, 
   }
   if (status == STY_OK) *out = camera;
   return status;
+}
+
+/* ---- placing ---- */
+
+StyStatus sty_place_camera(const StyScene *scene, const StyStand *stand, int width, int height, StyCamera *out,
+                           StyError *error) {
+  StyCamera camera = {.perspective = stand->perspective};
+  if (width < 1 || height < 1)
+    return sty_fail(error, STY_ERROR_USAGE, "camera: found a picture of %d x %d pixels, expected at least 1 x 1", width,
+                    height);
+  subtract_vectors(stand->position, stand->target, camera.back);
+  if (!normalize_vector(camera.back))
+    return sty_fail(error, STY_ERROR_INPUT, "camera: found position and target in one place, expected them apart");
+  double up[3] = {stand->up[0], stand->up[1], stand->up[2]};
+  if (normalize_vector(up)) cross_vectors(up, camera.back, camera.right);
+  if (!(dot_vectors(camera.right, camera.right) > 1e-12) || !normalize_vector(camera.right))
+    return sty_fail(error, STY_ERROR_INPUT, "camera: found an up that it looks along, expected another");
+  cross_vectors(camera.back, camera.right, camera.up);
+  for (int k = 0; k < 3; k++) camera.eye[k] = (stand->position[k] - scene->centre[k]) * scene->scale;
+  camera.half_height = stand->perspective ? tan(stand->fov * (M_PI / 360)) : stand->height / 2 * scene->scale;
+  camera.half_width = camera.half_height * width / height;
+  if (!(camera.half_height > 0) || !isfinite(camera.half_width))
+    return sty_fail(error, STY_ERROR_INPUT, "camera: found no opening, expected a film that has a size");
+  *out = camera;
+  return STY_OK;
 }

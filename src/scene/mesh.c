@@ -1,4 +1,4 @@
-/* Mesh files to scenes. Assimp reads the file and cuts polygons into
+/* Mesh files to meshes. Assimp reads the file and cuts polygons into
  * triangles; the rest is done here, because its other steps can't be relied
  * on: its smooth normals are wrong wherever faces share vertices, and its
  * vertex joining merges everything closer than an absolute 1e-5. */
@@ -16,7 +16,7 @@
 #include "scene/ply.h"
 #include "scene/vector.h"
 #include "stylut/file.h"
-#include "stylut/scene.h"
+#include "stylut/mesh.h"
 #include "stylut/version.h"
 
 /* Depth and position must fit a float, at the distance of a 1-degree camera too. */
@@ -232,7 +232,7 @@ static StyStatus add_part(Import *import, unsigned m, const double node[3][4], S
   const size_t triangles = count_triangles(import->file->mMeshes[m]);
   if (triangles == 0) return STY_OK;
   if (triangles > STY_MAX_TRIANGLES - import->triangle_count)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found more than %zu triangles, which is the most a scene may have",
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found more than %zu triangles, which is the most a mesh may have",
                     import->path, STY_MAX_TRIANGLES);
   if (import->part_count == import->part_capacity) {
     const size_t capacity = import->part_capacity ? 2 * import->part_capacity : 16;
@@ -309,7 +309,7 @@ static StyStatus check_world(const Import *import, const Part *part, unsigned v,
   return STY_OK;
 }
 
-static StyStatus measure_part(const Import *import, const Part *part, StyScene *scene, StyError *error) {
+static StyStatus measure_part(const Import *import, const Part *part, StyMesh *mesh, StyError *error) {
   for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
     if (part->mesh->mFaces[f].mNumIndices != 3) continue;
     unsigned vertices[3];
@@ -323,8 +323,8 @@ static StyStatus measure_part(const Import *import, const Part *part, StyScene *
     if (!has_area(world[0], world[1], world[2])) continue;
     for (int i = 0; i < 9; i++) {
       const double at = world[i / 3][i % 3];
-      scene->minimum[i % 3] = fmin(scene->minimum[i % 3], at);
-      scene->maximum[i % 3] = fmax(scene->maximum[i % 3], at);
+      mesh->minimum[i % 3] = fmin(mesh->minimum[i % 3], at);
+      mesh->maximum[i % 3] = fmax(mesh->maximum[i % 3], at);
     }
   }
   return STY_OK;
@@ -335,19 +335,19 @@ static StyStatus fail_flat(const Import *import, StyError *error) {
                   import->triangle_count);
 }
 
-static StyStatus measure_scene(const Import *import, StyScene *scene, StyError *error) {
-  for (int k = 0; k < 3; k++) scene->minimum[k] = INFINITY, scene->maximum[k] = -INFINITY;
+static StyStatus measure_mesh(const Import *import, StyMesh *mesh, StyError *error) {
+  for (int k = 0; k < 3; k++) mesh->minimum[k] = INFINITY, mesh->maximum[k] = -INFINITY;
   for (size_t p = 0; p < import->part_count; p++) {
-    StyStatus status = measure_part(import, &import->parts[p], scene, error);
+    StyStatus status = measure_part(import, &import->parts[p], mesh, error);
     if (status != STY_OK) return status;
   }
   double extent = 0;
   for (int k = 0; k < 3; k++) {
-    scene->centre[k] = (scene->minimum[k] + scene->maximum[k]) / 2;
-    extent = fmax(extent, scene->maximum[k] - scene->minimum[k]);
+    mesh->centre[k] = (mesh->minimum[k] + mesh->maximum[k]) / 2;
+    extent = fmax(extent, mesh->maximum[k] - mesh->minimum[k]);
   }
-  scene->scale = 2 / extent;
-  return extent > 0 && isfinite(scene->scale) ? STY_OK : fail_flat(import, error);
+  mesh->scale = 2 / extent;
+  return extent > 0 && isfinite(mesh->scale) ? STY_OK : fail_flat(import, error);
 }
 
 /* Leaves the normal unknown where the file has none that can be used. */
@@ -360,12 +360,12 @@ static void fill_file_normal(const Part *part, unsigned v, float out[3]) {
   for (int k = 0; k < 3; k++) out[k] = (float)world[k] + 0.0f;
 }
 
-static void fill_corner(const Import *import, const StyScene *scene, const Part *part, unsigned v, StyCorner *out) {
+static void fill_corner(const Import *import, const StyMesh *mesh, const Part *part, unsigned v, StyCorner *out) {
   double world[3];
   transform_vertex(part, v, world);
   *out = (StyCorner){0};
   /* Adding zero turns negative zero into zero: corners compare by their bytes. */
-  for (int k = 0; k < 3; k++) out->position[k] = (float)((world[k] - scene->centre[k]) * scene->scale) + 0.0f;
+  for (int k = 0; k < 3; k++) out->position[k] = (float)((world[k] - mesh->centre[k]) * mesh->scale) + 0.0f;
   if (import->keep_normals && part->mesh->mNormals) fill_file_normal(part, v, out->normal);
 }
 
@@ -375,35 +375,35 @@ static bool has_corner_area(const StyCorner corners[3]) {
   return has_area(at[0], at[1], at[2]);
 }
 
-static void fill_part(const Import *import, const Part *part, StyScene *scene, StyCorner *corners) {
+static void fill_part(const Import *import, const Part *part, StyMesh *mesh, StyCorner *corners) {
   for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
     if (part->mesh->mFaces[f].mNumIndices != 3) continue;
     unsigned vertices[3];
-    StyCorner *own = &corners[3 * scene->triangle_count];
+    StyCorner *own = &corners[3 * mesh->triangle_count];
     order_triangle(part, &part->mesh->mFaces[f], vertices);
-    for (int k = 0; k < 3; k++) fill_corner(import, scene, part, vertices[k], &own[k]);
+    for (int k = 0; k < 3; k++) fill_corner(import, mesh, part, vertices[k], &own[k]);
     /* Rounding to trace space may flatten a triangle that had an area. */
-    if (has_corner_area(own)) scene->object_ids[scene->triangle_count++] = (uint32_t)scene->object_count;
+    if (has_corner_area(own)) mesh->part_ids[mesh->triangle_count++] = (uint32_t)mesh->part_count;
   }
 }
 
-static StyStatus fill_corners(const Import *import, StyScene *scene, StyCorner **out, StyError *error) {
+static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **out, StyError *error) {
   const size_t count = import->triangle_count;
   StyCorner *corners = malloc(3 * count * sizeof *corners);
-  scene->object_ids = malloc(count * sizeof *scene->object_ids);
-  if (!corners || !scene->object_ids) {
+  mesh->part_ids = malloc(count * sizeof *mesh->part_ids);
+  if (!corners || !mesh->part_ids) {
     free(corners);
     return sty_fail_memory(error, "mesh corners", (double)(3 * count * sizeof *corners));
   }
   for (size_t p = 0; p < import->part_count; p++) {
-    scene->object_count++;
-    fill_part(import, &import->parts[p], scene, corners);
+    mesh->part_count++;
+    fill_part(import, &import->parts[p], mesh, corners);
   }
   *out = corners;
-  return scene->triangle_count > 0 ? STY_OK : fail_flat(import, error);
+  return mesh->triangle_count > 0 ? STY_OK : fail_flat(import, error);
 }
 
-/* ---- the scene ---- */
+/* ---- the mesh ---- */
 
 static bool lacks_normals(const StyCorner *corners, size_t count) {
   for (size_t c = 0; c < count; c++)
@@ -411,19 +411,19 @@ static bool lacks_normals(const StyCorner *corners, size_t count) {
   return false;
 }
 
-static StyStatus share_vertices(StyScene *scene, const StyCorner *corners, StyError *error) {
-  const size_t count = 3 * scene->triangle_count;
-  scene->indices = malloc(count * sizeof *scene->indices);
-  if (!scene->indices) return sty_fail_memory(error, "mesh indices", (double)(count * sizeof *scene->indices));
-  StyStatus status = sty_number_corners(corners, count, sizeof *corners, scene->indices, &scene->vertex_count, error);
+static StyStatus share_vertices(StyMesh *mesh, const StyCorner *corners, StyError *error) {
+  const size_t count = 3 * mesh->triangle_count;
+  mesh->indices = malloc(count * sizeof *mesh->indices);
+  if (!mesh->indices) return sty_fail_memory(error, "mesh indices", (double)(count * sizeof *mesh->indices));
+  StyStatus status = sty_number_corners(corners, count, sizeof *corners, mesh->indices, &mesh->vertex_count, error);
   if (status != STY_OK) return status;
-  scene->positions = calloc(3 * scene->vertex_count + 1, sizeof *scene->positions);
-  scene->normals = malloc(3 * scene->vertex_count * sizeof *scene->normals);
-  if (!scene->positions || !scene->normals)
-    return sty_fail_memory(error, "mesh vertices", (double)scene->vertex_count * sizeof *corners);
+  mesh->positions = calloc(3 * mesh->vertex_count + 1, sizeof *mesh->positions);
+  mesh->normals = malloc(3 * mesh->vertex_count * sizeof *mesh->normals);
+  if (!mesh->positions || !mesh->normals)
+    return sty_fail_memory(error, "mesh vertices", (double)mesh->vertex_count * sizeof *corners);
   for (size_t c = 0; c < count; c++) {
-    memcpy(&scene->positions[3 * (size_t)scene->indices[c]], corners[c].position, sizeof corners->position);
-    memcpy(&scene->normals[3 * (size_t)scene->indices[c]], corners[c].normal, sizeof corners->normal);
+    memcpy(&mesh->positions[3 * (size_t)mesh->indices[c]], corners[c].position, sizeof corners->position);
+    memcpy(&mesh->normals[3 * (size_t)mesh->indices[c]], corners[c].normal, sizeof corners->normal);
   }
   return STY_OK;
 }
@@ -438,46 +438,46 @@ static void release_import(Import *import) {
   import->parts = NULL;
 }
 
-static StyStatus build_scene(Import *import, double crease_angle, StyScene *scene, StyError *error) {
+static StyStatus build_mesh(Import *import, double crease_angle, StyMesh *mesh, StyError *error) {
   StyCorner *corners = NULL;
-  StyStatus status = measure_scene(import, scene, error);
-  if (status == STY_OK) status = fill_corners(import, scene, &corners, error);
+  StyStatus status = measure_mesh(import, mesh, error);
+  if (status == STY_OK) status = fill_corners(import, mesh, &corners, error);
   release_import(import);
-  if (status == STY_OK && lacks_normals(corners, 3 * scene->triangle_count))
-    status = sty_smooth_corners(corners, scene->triangle_count, crease_angle, error);
-  if (status == STY_OK) status = share_vertices(scene, corners, error);
+  if (status == STY_OK && lacks_normals(corners, 3 * mesh->triangle_count))
+    status = sty_smooth_corners(corners, mesh->triangle_count, crease_angle, error);
+  if (status == STY_OK) status = share_vertices(mesh, corners, error);
   free(corners);
   return status;
 }
 
-StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyScene **out, StyError *error) {
+StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error) {
   const double crease_angle = options ? options->crease_angle : -1;
   if (isnan(crease_angle) || crease_angle > 180)
     return sty_fail(error, STY_ERROR_USAGE, "crease angle: found %g, expected 0 to 180 degrees", crease_angle);
   /* STL can only store facets, so its normals tell nothing. */
   Import import = {.path = path, .keep_normals = crease_angle < 0 && strcasecmp(find_extension(path), "stl") != 0};
-  StyScene *scene = calloc(1, sizeof *scene);
-  if (!scene) return sty_fail_memory(error, "scene", sizeof *scene);
+  StyMesh *mesh = calloc(1, sizeof *mesh);
+  if (!mesh) return sty_fail_memory(error, "mesh", sizeof *mesh);
   StyStatus status = read_file(&import, error);
   if (status == STY_OK) status = list_parts(&import, error);
   if (status == STY_OK)
-    status = build_scene(&import, crease_angle < 0 ? DEFAULT_CREASE_ANGLE : crease_angle, scene, error);
+    status = build_mesh(&import, crease_angle < 0 ? DEFAULT_CREASE_ANGLE : crease_angle, mesh, error);
   release_import(&import);
   if (status == STY_OK)
-    *out = scene;
+    *out = mesh;
   else
-    sty_destroy_scene(&scene);
+    sty_destroy_mesh(&mesh);
   return status;
 }
 
-void sty_destroy_scene(StyScene **scene) {
-  if (!scene || !*scene) return;
-  free((*scene)->positions);
-  free((*scene)->normals);
-  free((*scene)->indices);
-  free((*scene)->object_ids);
-  free(*scene);
-  *scene = NULL;
+void sty_destroy_mesh(StyMesh **mesh) {
+  if (!mesh || !*mesh) return;
+  free((*mesh)->positions);
+  free((*mesh)->normals);
+  free((*mesh)->indices);
+  free((*mesh)->part_ids);
+  free(*mesh);
+  *mesh = NULL;
 }
 
 const char *sty_get_mesh_library_version(void) {

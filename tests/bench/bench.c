@@ -150,20 +150,20 @@ typedef struct Bare {
   size_t hits[COLUMNS * ROWS];
 } Bare;
 
-static void build_bare(Bare *bare, const StyScene *scene) {
+static void build_bare(Bare *bare, const StyMesh *mesh) {
   bare->device = rtcNewDevice("threads=1");
   bare->tree = rtcNewScene(bare->device);
   rtcSetSceneFlags(bare->tree, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = rtcNewGeometry(bare->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene->positions, 0,
-                             3 * sizeof *scene->positions, scene->vertex_count);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene->indices, 0,
-                             3 * sizeof *scene->indices, scene->triangle_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                             3 * sizeof *mesh->positions, mesh->vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                             3 * sizeof *mesh->indices, mesh->triangle_count);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(bare->tree, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(bare->tree);
-  if (rtcGetDeviceError(bare->device) != RTC_ERROR_NONE) fail("Embree fails on %zu triangles", scene->triangle_count);
+  if (rtcGetDeviceError(bare->device) != RTC_ERROR_NONE) fail("Embree fails on %zu triangles", mesh->triangle_count);
 }
 
 static void release_bare(Bare *bare) {
@@ -237,8 +237,10 @@ static const StyView three_quarter = {.azimuth = 35, .elevation = 20, .fov = 35,
 
 static StyScene *read_creature(const char *path) {
   StyError error;
+  StyMesh *mesh = NULL;
   StyScene *scene = NULL;
-  require(sty_read_mesh(path, NULL, &scene, &error), &error);
+  require(sty_read_mesh(path, NULL, &mesh, &error), &error);
+  require(sty_wrap_mesh(&mesh, &scene, &error), &error);
   return scene;
 }
 
@@ -302,7 +304,7 @@ static void bench_rays(const char *what, const StyScene *scene, const StyCamera 
   bare.camera = camera;
   for (int run = 0; run < RUNS; run++) {
     const double start = sty_get_milliseconds();
-    build_bare(&bare, scene);
+    build_bare(&bare, scene->meshes[0]);
     add_value(&rays, trace_bare(&bare, threads));
     add_value(&call, sty_get_milliseconds() - start);
     for (int g = 0; g < 2; g++) time_guide(scene, camera, groups[g], threads, &bare, &times[g]);
@@ -327,7 +329,7 @@ static double run_bare(const char *mesh) {
   StyScene *scene = read_creature(mesh);
   const StyCamera camera = fit_camera(scene);
   bare.camera = &camera;
-  build_bare(&bare, scene);
+  build_bare(&bare, scene->meshes[0]);
   trace_bare(&bare, 0);
   release_bare(&bare);
   sty_destroy_scene(&scene);
@@ -525,9 +527,9 @@ static void bench_guide_memory(const Paths *paths) {
   write_triangle(triangle);
   const Account idle = trace_for_memory(paths, triangle, "8"), busy = trace_for_memory(paths, mesh, "1920x1080");
   StyScene *scene = read_creature(mesh);
-  const double picture = 9.0 * PIXELS * sizeof(float); /* A, normal, depth, position, object */
-  const double vertices = (double)scene->vertex_count * 6 * sizeof(float);
-  const double triangles = (double)scene->triangle_count * 4 * sizeof(uint32_t);
+  const double picture = 10.0 * PIXELS * sizeof(float); /* A, normal, depth, position, object, style */
+  const double vertices = (double)scene->meshes[0]->vertex_count * 6 * sizeof(float);
+  const double triangles = (double)scene->meshes[0]->triangle_count * 4 * sizeof(uint32_t);
   print_idle("memory of guide scene", &idle);
   print_memory("memory of guide scene", "1920x1080 all channels", &busy, &idle, picture + vertices + triangles);
   sty_destroy_scene(&scene);

@@ -4,7 +4,8 @@
 #include "stylut/guide.h"
 #include "stylut/version.h"
 
-static const unsigned ALL = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT;
+static const unsigned ALL =
+    STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT | STY_GUIDE_STYLE;
 
 typedef struct Planes {
   const float *coverage, *normal[3], *depth, *position[3], *object;
@@ -38,7 +39,7 @@ static StyImage *trace(const StyScene *scene, const StyView *view, int width, in
 static StyScene *read_scene(Scratch *scratch, const char *text, double crease_angle) {
   StyScene *scene = NULL;
   StyError error = {STY_OK, ""};
-  if (read_text_mesh(scratch, "some.obj", text, crease_angle, &scene, &error) != STY_OK) fail_msg("%s", error.text);
+  if (read_text_scene(scratch, "some.obj", text, crease_angle, &scene, &error) != STY_OK) fail_msg("%s", error.text);
   return scene;
 }
 
@@ -58,31 +59,31 @@ typedef struct Ring {
 
 static double get_step(double z) { return sqrt(8 * fmax(z, LAST_Z) * TOLERANCE); }
 
-static Ring add_ring(StyScene *scene, double angle) {
+static Ring add_ring(StyMesh *mesh, double angle) {
   const double radius = sin(angle), z = cos(angle);
   const int sectors = radius > 0 ? 4 * (int)ceil(radius * M_PI_2 / get_step(z) + 1) : 1;
-  const Ring ring = {sectors, (uint32_t)scene->vertex_count};
+  const Ring ring = {sectors, (uint32_t)mesh->vertex_count};
   assert_true(sectors <= MAX_SECTORS);
   for (int i = 0; i < sectors; i++) {
     const double turn = 2 * M_PI * i / sectors;
     const double at[3] = {radius * cos(turn), radius * sin(turn), z};
     for (int k = 0; k < 3; k++)
-      scene->positions[3 * scene->vertex_count + (size_t)k] = scene->normals[3 * scene->vertex_count + (size_t)k] =
+      mesh->positions[3 * mesh->vertex_count + (size_t)k] = mesh->normals[3 * mesh->vertex_count + (size_t)k] =
           (float)at[k];
-    scene->vertex_count++;
+    mesh->vertex_count++;
   }
   return ring;
 }
 
-static void add_triangle(StyScene *scene, uint32_t a, uint32_t b, uint32_t c) {
+static void add_triangle(StyMesh *mesh, uint32_t a, uint32_t b, uint32_t c) {
   const uint32_t corners[3] = {a, b, c};
-  memcpy(&scene->indices[3 * scene->triangle_count], corners, sizeof corners);
-  scene->object_ids[scene->triangle_count++] = 1;
+  memcpy(&mesh->indices[3 * mesh->triangle_count], corners, sizeof corners);
+  mesh->part_ids[mesh->triangle_count++] = 1;
 }
 
 /* Triangles between rings of differing numbers of vertices: always from the
  * ring whose next vertex comes first. */
-static void stitch_rings(StyScene *scene, Ring inner, Ring outer) {
+static void stitch_rings(StyMesh *mesh, Ring inner, Ring outer) {
   int i = 0, o = 0;
   while ((inner.sectors > 1 && i < inner.sectors) || o < outer.sectors) {
     const uint32_t at_i = inner.first + (uint32_t)(i % inner.sectors),
@@ -90,37 +91,40 @@ static void stitch_rings(StyScene *scene, Ring inner, Ring outer) {
     const bool take_inner = inner.sectors > 1 && i < inner.sectors &&
                             (o == outer.sectors || (long)(i + 1) * outer.sectors < (long)(o + 1) * inner.sectors);
     if (take_inner)
-      add_triangle(scene, at_i, at_o, inner.first + (uint32_t)(++i % inner.sectors));
+      add_triangle(mesh, at_i, at_o, inner.first + (uint32_t)(++i % inner.sectors));
     else
-      add_triangle(scene, at_i, at_o, outer.first + (uint32_t)(++o % outer.sectors));
+      add_triangle(mesh, at_i, at_o, outer.first + (uint32_t)(++o % outer.sectors));
   }
 }
 
-static StyScene *make_hemisphere(void) {
+static StyMesh *make_hemisphere(void) {
   const size_t most = (size_t)MAX_RINGS * MAX_SECTORS;
-  StyScene *scene = calloc(1, sizeof *scene);
-  assert_non_null(scene);
-  scene->positions = calloc(3 * most + 1, sizeof(float));
-  scene->normals = malloc(3 * most * sizeof(float));
-  scene->indices = malloc(6 * most * sizeof(uint32_t));
-  scene->object_ids = malloc(2 * most * sizeof(uint32_t));
-  assert_true(scene->positions && scene->normals && scene->indices && scene->object_ids);
-  scene->scale = 1;
-  scene->object_count = 1;
+  StyMesh *mesh = calloc(1, sizeof *mesh);
+  assert_non_null(mesh);
+  mesh->positions = calloc(3 * most + 1, sizeof(float));
+  mesh->normals = malloc(3 * most * sizeof(float));
+  mesh->indices = malloc(6 * most * sizeof(uint32_t));
+  mesh->part_ids = malloc(2 * most * sizeof(uint32_t));
+  assert_true(mesh->positions && mesh->normals && mesh->indices && mesh->part_ids);
+  mesh->scale = 1;
+  mesh->part_count = 1;
   double angle = 0;
-  Ring inner = add_ring(scene, 0);
+  Ring inner = add_ring(mesh, 0);
   while (angle < M_PI_2) {
     angle = fmin(angle + get_step(cos(angle + get_step(cos(angle)))), M_PI_2);
-    const Ring outer = add_ring(scene, angle);
-    stitch_rings(scene, inner, outer);
+    const Ring outer = add_ring(mesh, angle);
+    stitch_rings(mesh, inner, outer);
     inner = outer;
   }
-  return scene;
+  return mesh;
 }
 
 static void test_sphere(void **state) {
   (void)state;
-  StyScene *scene = make_hemisphere();
+  StyMesh *hemisphere = make_hemisphere();
+  StyScene *scene = NULL;
+  const size_t triangles = hemisphere->triangle_count;
+  assert_int_equal(sty_wrap_mesh(&hemisphere, &scene, NULL), STY_OK);
   StyImage *traced = trace(scene, &(StyView){0}, SIDE, SIDE, false, 0), *exact = NULL;
   assert_int_equal(sty_make_sphere_guide(SIDE, SIDE, ALL, &exact, NULL), STY_OK);
   assert_int_equal(traced->channel_count, exact->channel_count);
@@ -137,7 +141,7 @@ static void test_sphere(void **state) {
         worst = fmax(worst, fabs((double)found - expected));
     }
   }
-  print_message("%zu triangles, largest difference %.2g\n", scene->triangle_count, worst);
+  print_message("%zu triangles, largest difference %.2g\n", triangles, worst);
   assert_true(worst < 1e-5);
   sty_destroy_image(&traced);
   sty_destroy_image(&exact);
@@ -277,7 +281,7 @@ static void test_objects_and_depth(void **state) {
                                "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                                "o back\nf 1 2 3 4\no front\nf 5 6 7 8\n",
                                -1);
-  assert_int_equal(scene->object_count, 2);
+  assert_int_equal(scene->meshes[0]->part_count, 2);
   StyImage *guide = trace(scene, &(StyView){0}, 16, 16, false, 1);
   const Planes p = get_planes(guide);
   for (int i = 0; i < 256; i++) {
@@ -297,8 +301,8 @@ static void test_only_what_is_asked_for(void **state) {
     StyImage *guide = NULL;
     const StyTraceOptions options = {33, 17, groups, false};
     assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, &times, &guide, NULL), STY_OK);
-    assert_int_equal(guide->channel_count,
-                     1 + 3 * (groups & 1) + (groups >> 1 & 1) + 3 * (groups >> 2 & 1) + (groups >> 3));
+    assert_int_equal(guide->channel_count, 1 + 3 * (groups & 1) + (groups >> 1 & 1) + 3 * (groups >> 2 & 1) +
+                                               (groups >> 3 & 1) + (groups >> 4));
     assert_true(times.build_ms >= 0 && times.trace_ms >= 0);
     sty_destroy_image(&guide);
   }

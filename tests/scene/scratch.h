@@ -47,11 +47,19 @@ static inline const char *write_bytes(Scratch *scratch, const char *name, const 
 
 /* Reads the mesh whose text is given, and takes the file away again. */
 static inline StyStatus read_text_mesh(Scratch *scratch, const char *name, const char *text, double crease_angle,
-                                       StyScene **scene, StyError *error) {
+                                       StyMesh **mesh, StyError *error) {
   const StyMeshOptions options = {crease_angle};
-  const StyStatus status = sty_read_mesh(write_bytes(scratch, name, text, strlen(text)), &options, scene, error);
+  const StyStatus status = sty_read_mesh(write_bytes(scratch, name, text, strlen(text)), &options, mesh, error);
   unlink(scratch->path);
   return status;
+}
+
+/* The same as a scene of its own. */
+static inline StyStatus read_text_scene(Scratch *scratch, const char *name, const char *text, double crease_angle,
+                                        StyScene **scene, StyError *error) {
+  StyMesh *mesh = NULL;
+  const StyStatus status = read_text_mesh(scratch, name, text, crease_angle, &mesh, error);
+  return status ? status : sty_wrap_mesh(&mesh, scene, error);
 }
 
 /* The cube [-1, 1]^3 of six quads, without normals. */

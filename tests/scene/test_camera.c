@@ -28,23 +28,32 @@ static void test_views(void **state) {
 enum { VERTICES = 40 };
 static float cloud[3 * VERTICES + 1];
 
+/* A scene that shows these vertices and nothing else; until the next one. */
+static StyScene show_points(size_t count, float *positions) {
+  static StyMesh mesh;
+  static StyMesh *meshes[] = {&mesh};
+  static StyObject object = {.transform = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+  mesh = (StyMesh){.vertex_count = count, .positions = positions, .scale = 1};
+  return (StyScene){.meshes = meshes, .mesh_count = 1, .objects = &object, .object_count = 1, .scale = 1};
+}
+
 static StyScene make_cloud(void) {
   for (int v = 0; v < VERTICES; v++) {
     cloud[3 * v] = (float)(sin(v * 12.9) * 0.9 + 0.05);
     cloud[3 * v + 1] = (float)(cos(v * 7.3) * 0.3 - 0.4);
     cloud[3 * v + 2] = (float)(sin(v * 3.7 + 1) * 0.6);
   }
-  return (StyScene){.vertex_count = VERTICES, .positions = cloud, .scale = 1};
+  return show_points(VERTICES, cloud);
 }
 
 /* Largest |film coordinate| over all vertices, as a share of the half film. */
 static void measure_film(const StyScene *scene, const StyCamera *camera, double share[2], double *nearest) {
   share[0] = share[1] = 0;
   *nearest = INFINITY;
-  for (size_t v = 0; v < scene->vertex_count; v++) {
+  for (size_t v = 0; v < scene->meshes[0]->vertex_count; v++) {
     double s = 0, t = 0, depth = 0;
     for (size_t k = 0; k < 3; k++) {
-      const double from_eye = scene->positions[3 * v + k] - camera->eye[k];
+      const double from_eye = scene->meshes[0]->positions[3 * v + k] - camera->eye[k];
       s += from_eye * camera->right[k];
       t += from_eye * camera->up[k];
       depth -= from_eye * camera->back[k];
@@ -124,7 +133,7 @@ static void test_up_axes(void **state) {
 
 static void test_square_film_is_the_spheres(void **state) {
   StyScene *scene = NULL;
-  assert_int_equal(read_text_mesh(*state, "cube.obj", CUBE_OBJ, -1, &scene, NULL), STY_OK);
+  assert_int_equal(read_text_scene(*state, "cube.obj", CUBE_OBJ, -1, &scene, NULL), STY_OK);
   StyCamera camera;
   assert_int_equal(sty_fit_camera(scene, &(StyView){0}, 512, 512, &camera, NULL), STY_OK);
   assert_true(camera.half_width == 1 && camera.half_height == 1);
@@ -136,7 +145,7 @@ static void test_square_film_is_the_spheres(void **state) {
 static void test_spike_keeps_its_distance(void **state) {
   (void)state;
   static float spike[10] = {0, 0, 1, 0.01f, 0, -1, 0, 0.01f, -1};
-  const StyScene scene = {.vertex_count = 3, .positions = spike, .scale = 1};
+  const StyScene scene = show_points(3, spike);
   const StyView view = {.perspective = true, .fov = 90};
   StyCamera camera;
   assert_int_equal(sty_fit_camera(&scene, &view, 64, 64, &camera, NULL), STY_OK);

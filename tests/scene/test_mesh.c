@@ -5,7 +5,7 @@
 
 static void expect_refusal(Scratch *scratch, const char *name, const char *text, StyStatus expected,
                            const char *expected_text) {
-  StyScene *scene = NULL;
+  StyMesh *scene = NULL;
   StyError error = {STY_OK, ""};
   assert_int_equal(read_text_mesh(scratch, name, text, -1, &scene, &error), expected);
   assert_null(scene);
@@ -13,14 +13,14 @@ static void expect_refusal(Scratch *scratch, const char *name, const char *text,
     fail_msg("'%s' names neither '%s' nor '%s'", error.text, name, expected_text);
 }
 
-static StyScene *read_scene(Scratch *scratch, const char *name, const char *text, double crease_angle) {
-  StyScene *scene = NULL;
+static StyMesh *read_scene(Scratch *scratch, const char *name, const char *text, double crease_angle) {
+  StyMesh *scene = NULL;
   StyError error = {STY_OK, ""};
   if (read_text_mesh(scratch, name, text, crease_angle, &scene, &error) != STY_OK) fail_msg("%s", error.text);
   return scene;
 }
 
-static double get_facet(const StyScene *scene, size_t t, double normal[3]) {
+static double get_facet(const StyMesh *scene, size_t t, double normal[3]) {
   double e[2][3];
   for (int i = 0; i < 2; i++)
     for (int k = 0; k < 3; k++)
@@ -33,7 +33,7 @@ static double get_facet(const StyScene *scene, size_t t, double normal[3]) {
 }
 
 /* Largest difference between a corner's normal and its facet's. */
-static double get_facet_deviation(const StyScene *scene) {
+static double get_facet_deviation(const StyMesh *scene) {
   double worst = 0;
   for (size_t t = 0; t < scene->triangle_count; t++) {
     double facet[3];
@@ -44,7 +44,7 @@ static double get_facet_deviation(const StyScene *scene) {
   return worst;
 }
 
-static void expect_outward(const StyScene *scene) {
+static void expect_outward(const StyMesh *scene) {
   for (size_t t = 0; t < scene->triangle_count; t++) {
     double facet[3], outward = 0;
     assert_true(get_facet(scene, t, facet) > 0);
@@ -54,27 +54,27 @@ static void expect_outward(const StyScene *scene) {
 }
 
 static void test_cube_is_cut_and_shared(void **state) {
-  StyScene *scene = read_scene(*state, "cube.obj", CUBE_OBJ, 30);
+  StyMesh *scene = read_scene(*state, "cube.obj", CUBE_OBJ, 30);
   assert_int_equal(scene->triangle_count, 12);
   assert_int_equal(scene->vertex_count, 24);
-  assert_int_equal(scene->object_count, 1);
+  assert_int_equal(scene->part_count, 1);
   for (int k = 0; k < 3; k++) {
     assert_true(scene->minimum[k] == -1 && scene->maximum[k] == 1 && scene->centre[k] == 0);
   }
   assert_true(scene->scale == 1);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
   assert_null(scene);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_crease_angle(void **state) {
-  StyScene *sharp = read_scene(*state, "cube.obj", CUBE_OBJ, 30);
+  StyMesh *sharp = read_scene(*state, "cube.obj", CUBE_OBJ, 30);
   assert_true(get_facet_deviation(sharp) < 1e-7);
-  sty_destroy_scene(&sharp);
-  StyScene *smooth = read_scene(*state, "cube.obj", CUBE_OBJ, 180);
+  sty_destroy_mesh(&sharp);
+  StyMesh *smooth = read_scene(*state, "cube.obj", CUBE_OBJ, 180);
   assert_int_equal(smooth->vertex_count, 8);
   for (size_t i = 0; i < 24; i++) assert_true(fabs(smooth->normals[i] - smooth->positions[i] / sqrt(3)) < 1e-6);
-  sty_destroy_scene(&smooth);
+  sty_destroy_mesh(&smooth);
 }
 
 /* Shared indices are where importers like to get smooth normals wrong. */
@@ -82,22 +82,22 @@ static void test_smooth_normals_of_indexed_files(void **state) {
   static const char CUBE_OFF[] =
       "OFF\n8 6 0\n-1 -1 -1\n1 -1 -1\n1 1 -1\n-1 1 -1\n-1 -1 1\n1 -1 1\n1 1 1\n-1 1 1\n"
       "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n4 1 2 6 5\n4 0 4 7 3\n";
-  StyScene *scene = read_scene(*state, "cube.off", CUBE_OFF, 180);
+  StyMesh *scene = read_scene(*state, "cube.off", CUBE_OFF, 180);
   assert_int_equal(scene->vertex_count, 8);
   for (size_t i = 0; i < 24; i++) assert_true(fabs(scene->normals[i] - scene->positions[i] / sqrt(3)) < 1e-6);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_file_normals(void **state) {
   static const char TILTED[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 3 4\nvn 0 0 0\nvn nan 0 1\nf 1//1 2//2 3//3\n";
-  StyScene *scene = read_scene(*state, "tilted.obj", TILTED, -1);
+  StyMesh *scene = read_scene(*state, "tilted.obj", TILTED, -1);
   assert_int_equal(scene->vertex_count, 3);
   assert_true(fabs(scene->normals[1] - 0.6) < 1e-6 && fabs(scene->normals[2] - 0.8) < 1e-6);
   assert_true(scene->normals[5] == 1 && scene->normals[8] == 1);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
   scene = read_scene(*state, "tilted.obj", TILTED, 60);
   for (size_t v = 0; v < 3; v++) assert_true(scene->normals[3 * v + 2] == 1);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_stl_normals_do_not_count(void **state) {
@@ -113,13 +113,13 @@ static void test_stl_normals_do_not_count(void **state) {
       strcat(text, "endloop\nendfacet\n");
     }
   strcat(text, "endsolid cube\n");
-  StyScene *scene = read_scene(*state, "cube.stl", text, -1);
+  StyMesh *scene = read_scene(*state, "cube.stl", text, -1);
   assert_int_equal(scene->triangle_count, 12);
   assert_true(get_facet_deviation(scene) < 1e-7);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
   scene = read_scene(*state, "cube.stl", text, 100);
   assert_int_equal(scene->vertex_count, 8);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_tiny_and_far_meshes(void **state) {
@@ -127,7 +127,7 @@ static void test_tiny_and_far_meshes(void **state) {
   for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
     char text[1024];
     print_tetrahedron(text, sizeof text, CASES[i].at, CASES[i].edge);
-    StyScene *scene = read_scene(*state, "tetrahedron.obj", text, 30);
+    StyMesh *scene = read_scene(*state, "tetrahedron.obj", text, 30);
     assert_int_equal(scene->triangle_count, 4);
     float low = 1, high = -1;
     for (size_t v = 0; v < 3 * scene->vertex_count; v++) {
@@ -137,7 +137,7 @@ static void test_tiny_and_far_meshes(void **state) {
     assert_true(low == -1 && high == 1);
     assert_true(get_facet_deviation(scene) < 1e-6);
     assert_true(fabs(scene->maximum[0] - CASES[i].at - CASES[i].edge) <= 1e-6 * CASES[i].edge);
-    sty_destroy_scene(&scene);
+    sty_destroy_mesh(&scene);
   }
 }
 
@@ -147,30 +147,30 @@ static void test_tiny_polygons(void **state) {
   for (int tiny = 0; tiny < 2; tiny++) {
     char text[256];
     snprintf(text, sizeof text, ARROW, tiny ? "4e-24" : "4", tiny ? "1.5e-24" : "1.5");
-    StyScene *scene = read_scene(*state, "arrow.obj", text, -1);
+    StyMesh *scene = read_scene(*state, "arrow.obj", text, -1);
     assert_int_equal(scene->triangle_count, 3);
     double area = 0, normal[3];
     for (size_t t = 0; t < 3; t++) area += get_facet(scene, t, normal);
     assert_true(fabs(area - 4 * (1 - 0.375 * 0.5)) < 1e-5);
-    sty_destroy_scene(&scene);
+    sty_destroy_mesh(&scene);
   }
 }
 
 static void test_flat_triangles_are_left_out(void **state) {
-  StyScene *scene =
+  StyMesh *scene =
       read_scene(*state, "some.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 90 0 0\nf 1 2 5\nf 1 2 3\n", -1);
   assert_int_equal(scene->triangle_count, 1);
   assert_true(scene->maximum[0] == 1);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_empty_faces_are_left_out(void **state) {
   static const char TEXT[] =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 3\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0\n3 0 1 2\n0\n";
-  StyScene *scene = read_scene(*state, "some.ply", TEXT, -1);
+  StyMesh *scene = read_scene(*state, "some.ply", TEXT, -1);
   assert_int_equal(scene->triangle_count, 1);
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_bad_geometry(void **state) {
@@ -215,13 +215,13 @@ static void test_truncated_ply(void **state) {
       size += (size_t)snprintf(file + size, sizeof file - size, "0 0 0\n1 0 0\n0 1 0\n3 0 1 2");
     }
     for (size_t cut = 0; cut <= size; cut++) {
-      StyScene *scene = NULL;
+      StyMesh *scene = NULL;
       StyError error = {STY_OK, ""};
       const StyStatus status = sty_read_mesh(write_bytes(scratch, "part.ply", file, cut), NULL, &scene, &error);
       unlink(scratch->path);
       if (status != (cut == size ? STY_OK : STY_ERROR_INPUT)) fail_msg("%zu of %zu bytes: %s", cut, size, error.text);
       if (status != STY_OK) assert_non_null(strstr(error.text, "part.ply"));
-      sty_destroy_scene(&scene);
+      sty_destroy_mesh(&scene);
     }
   }
 }
@@ -234,7 +234,7 @@ static void test_not_a_mesh(void **state) {
     expect_refusal(scratch, NAMES[i], "", STY_ERROR_INPUT, "expected");
   }
   expect_refusal(scratch, "picture.png", "PNG", STY_ERROR_INPUT, ".glb");
-  StyScene *scene = NULL;
+  StyMesh *scene = NULL;
   StyError error;
   char path[768];
   snprintf(path, sizeof path, "%s/missing.obj", scratch->folder);
@@ -262,10 +262,10 @@ static void test_node_transforms(void **state) {
       "\"nodes\":[{\"children\":[1,2,3]},{\"mesh\":0},{\"mesh\":0,\"scale\":[-1,1,1]},"
       "{\"mesh\":0,\"translation\":[0,0,5],\"scale\":[2,4,1],\"rotation\":[0.70710678,0,0,0.70710678]}]," GLTF_TRIANGLE
       "}";
-  StyScene *scene = read_scene(*state, "tree.gltf", TREE, -1);
+  StyMesh *scene = read_scene(*state, "tree.gltf", TREE, -1);
   assert_int_equal(scene->triangle_count, 3);
-  assert_int_equal(scene->object_count, 3);
-  for (size_t t = 0; t < 3; t++) assert_int_equal(scene->object_ids[t], t + 1);
+  assert_int_equal(scene->part_count, 3);
+  for (size_t t = 0; t < 3; t++) assert_int_equal(scene->part_ids[t], t + 1);
   expect_outward(scene);
   assert_true(get_facet_deviation(scene) < 1e-6);
   static const double LOW[3] = {-1, 0, 0}, HIGH[3] = {2, 1, 9};
@@ -273,7 +273,7 @@ static void test_node_transforms(void **state) {
     assert_true(fabs(scene->minimum[k] - LOW[k]) < 1e-5);
     assert_true(fabs(scene->maximum[k] - HIGH[k]) < 1e-5);
   }
-  sty_destroy_scene(&scene);
+  sty_destroy_mesh(&scene);
 }
 
 static void test_deep_trees(void **state) {

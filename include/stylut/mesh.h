@@ -1,0 +1,54 @@
+/* Triangles of a mesh file, no more than guides need.
+ *
+ * World: as in the file, right-handed. Trace space, used inside: the file's
+ * coordinates recentred and rescaled so that the mesh fits the cube [-1, 1]^3,
+ * because ray casters miss geometry that is tiny or far from the origin;
+ * world = trace / scale + centre. */
+#ifndef STYLUT_MESH_H
+#define STYLUT_MESH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "stylut/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct StyMesh {
+  size_t vertex_count;
+  size_t triangle_count;
+  int part_count;                /* parts of the file; ids are 1 .. part_count */
+  float *positions;              /* 3 per vertex, trace space; one more float follows (Embree reads 16 bytes) */
+  float *normals;                /* 3 per vertex, unit length, world frame */
+  uint32_t *indices;             /* 3 per triangle, counter-clockwise seen from outside */
+  uint32_t *part_ids;            /* 1 per triangle */
+  double centre[3];              /* world */
+  double scale;                  /* trace units per world unit */
+  double minimum[3], maximum[3]; /* world bounds */
+} StyMesh;
+
+typedef struct StyMeshOptions {
+  /* Edges sharper than this stay hard where normals are computed, degrees
+   * 0..180. Negative: the file's own normals where it has them, else 60. STL
+   * files count as having none, since that format can only store facets. */
+  double crease_angle;
+} StyMeshOptions;
+
+/* Imports OBJ, PLY, STL, glTF or OFF through Assimp. Every index and coordinate
+ * is checked. Zero-area triangles are left out. The caller owns the mesh.
+ * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
+ * faces, all faces without area, NaN or infinite coordinates, indices out of
+ * range; the message names the file and the first offending vertex or face),
+ * STY_ERROR_LIBRARY (memory). */
+StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error);
+
+/* Frees and nulls *mesh. */
+void sty_destroy_mesh(StyMesh **mesh);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,47 @@
+/* Scene files, schema stylut-scene/1: JSON that people write.
+ *
+ *   { "schema": "stylut-scene/1",
+ *     "camera": { "type": "fit", "view": "three-quarter", "up": [0,1,0], "fov": 35 },
+ *     "objects": [ { "mesh": "golem.obj", "transform": [16 numbers, row by row], "style": 1 } ],
+ *     "spheres": [ { "center": [2,0,0], "radius": 0.7, "style": 2 } ] }
+ *
+ * Paths are relative to the file. A camera of type
+ *   fit           holds the whole scene, seen from "view" (default "front") with "up" along one of
+ *                 the world's axes; orthographic, or with "fov" perspective
+ *   perspective   stands at "position", looks at "target", "fov" (default 35) degrees high
+ *   orthographic  likewise, but sees "height" world units
+ * "up" is [0,1,0] where it isn't given, "style" 1; without a camera, fit. A transform takes the
+ * mesh file's coordinates to the world's; its last row is 0 0 0 1. Objects that name the same mesh
+ * share it. Unknown keys and wrong types are errors with line and column. */
+#ifndef STYLUT_SCENE_FILE_H
+#define STYLUT_SCENE_FILE_H
+
+#include "stylut/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Where a scene is to be seen from, before the picture's size is known. */
+typedef struct StyViewpoint {
+  bool is_fit;
+  StyView view;   /* of a camera that is fitted */
+  StyStand stand; /* of others */
+} StyViewpoint;
+
+/* By its ending, .json. */
+bool sty_is_scene_file(const char *path);
+
+/* Reads the file and the meshes it names. The caller owns the scene, which is finished.
+ * Errors: STY_ERROR_FILE, STY_ERROR_INPUT ("FILE:LINE:COLUMN: ..."), those of sty_read_mesh. */
+StyStatus sty_read_scene(const char *path, const StyMeshOptions *options, StyScene **out, StyViewpoint *viewpoint,
+                         StyError *error);
+
+/* sty_fit_camera or sty_place_camera, as the viewpoint asks. */
+StyStatus sty_set_camera(const StyScene *scene, const StyViewpoint *viewpoint, int width, int height, StyCamera *out,
+                         StyError *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

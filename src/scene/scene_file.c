@@ -1,0 +1,239 @@
+#include "stylut/scene_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "stylut/file.h"
+#include "stylut/json.h"
+
+static const char *const scene_schema = "stylut-scene/1";
+static const double largest_value = 1e30;
+static const double default_margin = 0.05, default_fov = 35;
+
+/* What is read, and the meshes that were read for it. */
+typedef struct Reading {
+  StyDocument document;
+  char *folder;
+  const StyMeshOptions *options;
+  StyScene *scene;
+  const char **names; /* of the scene's meshes, as the file has them; owned by the document */
+} Reading;
+
+/* ---- camera ------------------------------------------------------------------- */
+
+/* The axis that `up` points along; false: none. */
+static bool find_up_axis(const double up[3], StyUpAxis *out) {
+  static const double axes[][3] = {
+      [STY_UP_Y] = {0, 1, 0},        [STY_UP_Z] = {0, 0, 1},        [STY_UP_X] = {1, 0, 0},
+      [STY_UP_MINUS_Y] = {0, -1, 0}, [STY_UP_MINUS_Z] = {0, 0, -1}, [STY_UP_MINUS_X] = {-1, 0, 0},
+  };
+  for (size_t a = 0; a < sizeof axes / sizeof *axes; a++)
+    if (memcmp(axes[a], up, sizeof *axes) == 0) {
+      *out = (StyUpAxis)a;
+      return true;
+    }
+  return false;
+}
+
+static StyStatus read_fit(const StyDocument *document, const StyPath *path, const json_t *camera, const double up[3],
+                          StyView *out, StyError *error) {
+  static const char *const known[] = {"type", "view", "fov", "up", NULL};
+  const char *view = "front";
+  StyError cause;
+  StyStatus status = sty_check_keys(document, path, camera, known, error);
+  if (!status) status = sty_get_string(document, path, camera, "view", 0, &view, error);
+  *out = (StyView){.perspective = json_object_get(camera, "fov"), .fov = default_fov, .margin = default_margin};
+  if (!status) status = sty_get_number(document, path, camera, "fov", 1, 170, &out->fov, error);
+  if (!status && sty_parse_view("view", view, out, &cause))
+    return sty_fail_value(document, &(StyPath){path, "view", 0}, json_object_get(camera, "view"),
+                          "\"front\", \"three-quarter\" or \"AZIMUTH,ELEVATION\" in degrees", error);
+  if (!status && !find_up_axis(up, &out->up))
+    return sty_fail_value(document, &(StyPath){path, "up", 0}, json_object_get(camera, "up"),
+                          "an axis of the world, as [0, 0, 1], for a camera of type fit", error);
+  return status;
+}
+
+static StyStatus require_key(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                             const char *what, StyError *error) {
+  if (json_object_get(object, key)) return STY_OK;
+  char expected[96];
+  snprintf(expected, sizeof expected, "a key \"%s\", %s", key, what);
+  return sty_fail_value(document, path, object, expected, error);
+}
+
+static StyStatus read_stand(const StyDocument *document, const StyPath *path, const json_t *camera, StyStand *out,
+                            StyError *error) {
+  static const char *const perspective[] = {"type", "position", "target", "up", "fov", NULL};
+  static const char *const orthographic[] = {"type", "position", "target", "up", "height", NULL};
+  const double most = largest_value;
+  out->fov = default_fov;
+  StyStatus status = sty_check_keys(document, path, camera, out->perspective ? perspective : orthographic, error);
+  if (!status) status = require_key(document, path, camera, "position", "where the camera stands", error);
+  if (!status) status = require_key(document, path, camera, "target", "what it looks at", error);
+  if (!status && !out->perspective)
+    status = require_key(document, path, camera, "height", "how much of the world it sees", error);
+  if (!status) status = sty_get_numbers(document, path, camera, "position", -most, most, 3, out->position, error);
+  if (!status) status = sty_get_numbers(document, path, camera, "target", -most, most, 3, out->target, error);
+  if (!status) status = sty_get_number(document, path, camera, "fov", 1, 170, &out->fov, error);
+  if (!status) status = sty_get_number(document, path, camera, "height", 1 / most, most, &out->height, error);
+  return status;
+}
+
+static StyStatus read_camera(const StyDocument *document, StyViewpoint *out, StyError *error) {
+  static const char *const types[] = {"fit", "orthographic", "perspective", NULL};
+  const json_t *camera = json_object_get(document->root, "camera");
+  const StyPath path = {NULL, "camera", 0};
+  int type = 0;
+  *out = (StyViewpoint){.is_fit = true, .view = {.margin = default_margin}, .stand.up = {0, 1, 0}};
+  if (!camera) return STY_OK;
+  if (!json_is_object(camera)) return sty_fail_value(document, &path, camera, "an object", error);
+  StyStatus status = sty_get_choice(document, &path, camera, "type", types, &type, error);
+  if (!status)
+    status = sty_get_numbers(document, &path, camera, "up", -largest_value, largest_value, 3, out->stand.up, error);
+  if (status) return status;
+  out->is_fit = type == 0;
+  out->stand.perspective = type == 2;
+  return out->is_fit ? read_fit(document, &path, camera, out->stand.up, &out->view, error)
+                     : read_stand(document, &path, camera, &out->stand, error);
+}
+
+/* ---- objects ------------------------------------------------------------------ */
+
+/* The number of a mesh, which is read unless an object before has named it. */
+static StyStatus find_mesh(Reading *reading, const char *name, int *number, StyError *error) {
+  for (int m = 0; m < reading->scene->mesh_count; m++)
+    if (strcmp(reading->names[m], name) == 0) {
+      *number = m;
+      return STY_OK;
+    }
+  StyMesh *mesh = NULL;
+  char *path = sty_join_path(reading->folder, name);
+  StyStatus status = path ? sty_read_mesh(path, reading->options, &mesh, error) : sty_fail_memory(error, name, 0);
+  free(path);
+  if (!status) status = sty_add_mesh(reading->scene, &mesh, number, error);
+  if (!status) reading->names[*number] = name;
+  return status;
+}
+
+static StyStatus read_transform(const StyDocument *document, const StyPath *object_path, const json_t *object,
+                                double out[3][4], StyError *error) {
+  double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const StyStatus status =
+      sty_get_numbers(document, object_path, object, "transform", -largest_value, largest_value, 16, m, error);
+  if (status) return status;
+  memcpy(out, m, 12 * sizeof *m);
+  if (m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1) return STY_OK;
+  return sty_fail_value(document, &(StyPath){object_path, "transform", 0}, json_object_get(object, "transform"),
+                        "16 numbers, row by row, of which the last four are 0, 0, 0, 1", error);
+}
+
+/* A complaint of the scene's own, with the place in the file. */
+static StyStatus place_error(const Reading *reading, const StyPath *path, const json_t *value, const StyError *cause,
+                             StyError *error) {
+  const char *expected = strstr(cause->text, "expected ");
+  return sty_fail_value(&reading->document, path, value, expected ? expected + strlen("expected ") : cause->text,
+                        error);
+}
+
+static StyStatus read_object(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
+  static const char *const known[] = {"mesh", "transform", "style", NULL};
+  const StyDocument *document = &reading->document;
+  const char *name = NULL;
+  StyObject object = {.style = 1};
+  StyError cause = {STY_OK, ""};
+  StyStatus status = sty_check_keys(document, path, value, known, error);
+  if (!status) status = sty_get_string(document, path, value, "mesh", 1, &name, error);
+  if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &object.style, error);
+  if (!status) status = read_transform(document, path, value, object.transform, error);
+  if (!status) status = find_mesh(reading, name, &object.mesh, error);
+  if (status || !sty_add_object(reading->scene, &object, &cause)) return status;
+  return place_error(reading, &(StyPath){path, "transform", 0}, json_object_get(value, "transform"), &cause, error);
+}
+
+static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
+  static const char *const known[] = {"center", "radius", "style", NULL};
+  const StyDocument *document = &reading->document;
+  StySphere sphere = {.radius = 1, .style = 1};
+  StyStatus status = sty_check_keys(document, path, value, known, error);
+  if (!status)
+    status = sty_get_numbers(document, path, value, "center", -largest_value, largest_value, 3, sphere.centre, error);
+  if (!status)
+    status = sty_get_number(document, path, value, "radius", 1 / largest_value, largest_value, &sphere.radius, error);
+  if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &sphere.style, error);
+  return status ? status : sty_add_sphere(reading->scene, &sphere, error);
+}
+
+/* A list of the root's, object by object. */
+static StyStatus read_list(Reading *reading, const char *key,
+                           StyStatus (*read)(Reading *, const StyPath *, const json_t *, StyError *), StyError *error) {
+  const StyDocument *document = &reading->document;
+  const json_t *list = json_object_get(document->root, key);
+  const StyPath path = {NULL, key, 0};
+  if (!list) return STY_OK;
+  if (!json_is_array(list) || json_array_size(list) > STY_MOST_OBJECTS)
+    return sty_fail_value(document, &path, list, "a list of at most 65536 objects", error);
+  StyStatus status = STY_OK;
+  for (size_t i = 0; !status && i < json_array_size(list); i++)
+    status = read(reading, &(StyPath){&path, NULL, i}, json_array_get(list, i), error);
+  return status;
+}
+
+/* ---- the whole ---------------------------------------------------------------- */
+
+static StyStatus read_head(Reading *reading, StyViewpoint *viewpoint, StyError *error) {
+  static const char *const known[] = {"schema", "camera", "objects", "spheres", NULL};
+  const StyDocument *document = &reading->document;
+  const char *schema = NULL;
+  StyStatus status = sty_check_keys(document, NULL, document->root, known, error);
+  if (!status) status = sty_get_string(document, NULL, document->root, "schema", 1, &schema, error);
+  if (!status && strcmp(schema, scene_schema) != 0)
+    return sty_fail_value(document, &(StyPath){NULL, "schema", 0}, json_object_get(document->root, "schema"),
+                          "\"stylut-scene/1\"", error);
+  return status ? status : read_camera(document, viewpoint, error);
+}
+
+static StyStatus read_all(Reading *reading, StyViewpoint *viewpoint, StyError *error) {
+  StyStatus status = read_head(reading, viewpoint, error);
+  if (!status) status = sty_create_scene(&reading->scene, error);
+  if (status) return status;
+  const size_t objects = json_array_size(json_object_get(reading->document.root, "objects"));
+  reading->names = calloc(objects + 1, sizeof *reading->names);
+  if (!reading->names) return sty_fail_memory(error, reading->document.name, (double)objects * sizeof *reading->names);
+  status = read_list(reading, "objects", read_object, error);
+  if (!status) status = read_list(reading, "spheres", read_sphere, error);
+  if (status) return status;
+  status = sty_finish_scene(reading->scene, error);
+  return status ? sty_fail(error, status, "%s: %s", reading->document.name, error->text) : STY_OK;
+}
+
+bool sty_is_scene_file(const char *path) {
+  const char *dot = strrchr(path, '.');
+  return dot && strcasecmp(dot, ".json") == 0;
+}
+
+StyStatus sty_read_scene(const char *path, const StyMeshOptions *options, StyScene **out, StyViewpoint *viewpoint,
+                         StyError *error) {
+  Reading reading = {.folder = sty_get_folder(path), .options = options};
+  StyViewpoint found;
+  if (!reading.folder) return sty_fail_memory(error, path, (double)strlen(path));
+  StyStatus status = sty_read_document(path, &reading.document, error);
+  if (!status) status = read_all(&reading, &found, error);
+  if (status) {
+    sty_destroy_scene(&reading.scene);
+  } else {
+    *out = reading.scene;
+    *viewpoint = found;
+  }
+  free(reading.names);
+  free(reading.folder);
+  sty_close_document(&reading.document);
+  return status;
+}
+
+StyStatus sty_set_camera(const StyScene *scene, const StyViewpoint *viewpoint, int width, int height, StyCamera *out,
+                         StyError *error) {
+  return viewpoint->is_fit ? sty_fit_camera(scene, &viewpoint->view, width, height, out, error)
+                           : sty_place_camera(scene, &viewpoint->stand, width, height, out, error);
+}
