@@ -3,7 +3,7 @@
 load helpers
 
 # Every pixel of a sphere guide of WxH, by the formula, in the order of dump.
-sphere_channels=A,normal.X,normal.Y,normal.Z,depth.Z,position.X,position.Y,position.Z,object.I
+sphere_channels=A,normal.X,normal.Y,normal.Z,depth.Z,position.X,position.Y,position.Z,object.I,style.I
 check_sphere() { # FILE WIDTH HEIGHT
   dump "$1" $sphere_channels >pixels.txt
   expect "pixels of $1" "$(wc -l <pixels.txt)" $(($2 * $3))
@@ -13,8 +13,8 @@ check_sphere() { # FILE WIDTH HEIGHT
       x = ($1 + 0.5) / w * 2 - 1; y = 1 - ($2 + 0.5) / h * 2; r = x * x + y * y
       z = r <= 1 ? sqrt(1 - r) : 0
       if (r <= 1) ok = $3 == 1 && near($4, x) && near($5, y) && near($6, z) && near($7, 1 - z) &&
-                       near($8, x) && near($9, y) && near($10, z) && $11 == 1
-      else ok = $3 == 0 && $4 == 0 && $5 == 0 && $6 == 0 && $7 == "inf" && $8 == 0 && $9 == 0 && $10 == 0 && $11 == 0
+                       near($8, x) && near($9, y) && near($10, z) && $11 == 1 && $12 == 1
+      else ok = $3 == 0 && $4 == 0 && $5 == 0 && $6 == 0 && $7 == "inf" && $8 == 0 && $9 == 0 && $10 == 0 && $11 == 0 && $12 == 0
       if (!ok) { print "at " $0; exit 1 }
     }' pixels.txt >wrong.txt || complain "$1 of $2x$3: $(cat wrong.txt)"
 }
@@ -310,4 +310,58 @@ check_history() { # ENDING
   accept guide sphere -s 8 -o s.exr
   accept info s.exr
   expect 'files' "$(list_files | wc -l)" 2
+}
+
+# A scene of two cubes from one file, side by side, and a sphere above the left one.
+make_scene() {
+  printf 'v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n' >cube.obj
+  cat >scene.json <<'END'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "orthographic", "position": [0, 0, 9], "target": [0, 0, 0], "height": 8 },
+  "objects": [ { "mesh": "cube.obj", "transform": [1,0,0,-2, 0,1,0,-2, 0,0,1,0, 0,0,0,1], "style": 3 },
+               { "mesh": "cube.obj", "transform": [1,0,0,2, 0,1,0,-2, 0,0,1,1, 0,0,0,1] } ],
+  "spheres": [ { "center": [-2, 2, 0], "radius": 1, "style": 5 } ] }
+END
+}
+
+@test "a scene file: objects, spheres, styles, a camera that stands" {
+  make_scene
+  accept guide scene scene.json -s 8 -c all -o scene.exr
+  # Two pixels a side for each: depth, id and style at (2, 6), (6, 6) and (2, 2), one world unit a pixel.
+  dump scene.exr A,depth.Z,position.X,position.Y,object.I,style.I >pixels.txt
+  expect 'left cube' "$(grep '^1 5 ' pixels.txt)" '1 5 1.000000000 8.000000000 -2.500000000 -1.500000000 1.000000000 3.000000000'
+  expect 'right cube' "$(grep '^5 6 ' pixels.txt)" '5 6 1.000000000 7.000000000 1.500000000 -2.500000000 2.000000000 1.000000000'
+  expect 'sphere' "$(grep '^2 2 ' pixels.txt | cut -d' ' -f 1-3,5-)" '2 2 1.000000000 -1.500000000 1.500000000 3.000000000 5.000000000'
+  expect_near 'depth of the sphere' "$(awk '$1 == 2 && $2 == 2 { print $4 }' pixels.txt)" 8.2928932 1e-5
+  expect 'covered pixels' "$(awk '$3 == 1' pixels.txt | wc -l)" 12
+  accept info scene.json
+  expect_holds info "$output" 'scene.json: scene of 2 object(s) from 1 mesh(es), 24 triangles, and 1 sphere(s)'
+  expect_holds info "$output" 'object 2: mesh 1, 12 triangles, style 1, object.I 2'
+  accept info scene.json --format json
+  expect 'info as JSON' "$(json - '[r.kind, r.meshes, r.triangles, r.objects[0].style, r.spheres[0].id, r.minimum[0], r.maximum[1]].join()' <<<"$output")" scene,1,24,3,3,-3,3
+  accept guide scene scene.json -s 8 -c all -o other.exr --dry-run
+  expect_holds 'dry run' "$output" '24 triangles'
+  # The scene has a camera of its own.
+  refuse 1 --view guide scene scene.json --view front -s 8 -o other.exr
+  refuse 1 --fov guide scene scene.json --camera perspective --fov 30 -s 8 -o other.exr
+  # Paths are relative to the file.
+  mkdir -p sub/folder
+  mv scene.json cube.obj sub/
+  accept guide scene sub/scene.json -s 8 -c all --no-history -o again.exr
+  expect 'from elsewhere' "$(dump again.exr A,depth.Z,position.X,position.Y,object.I,style.I)" "$(cat pixels.txt)"
+}
+
+@test "a scene file that is wrong names its line and column" {
+  make_scene
+  sed 's/"style": 3/"style": 300/' scene.json >style.json
+  refuse 3 'style.json:3:100: objects[0].style: found 300' guide scene style.json -s 8 -o out.exr
+  sed 's/"radius"/"radios"/' scene.json >key.json
+  refuse 3 'found an unknown key' guide scene key.json -s 8 -o out.exr
+  sed 's/cube.obj/cone.obj/' scene.json >mesh.json
+  refuse 2 'cone.obj' guide scene mesh.json -s 8 -o out.exr
+  head -c 100 scene.json >short.json
+  refuse 3 'short.json' guide scene short.json -s 8 -o out.exr
+  refuse 3 'key.json' info key.json
+  printf '{"schema": "stylut-scene/1", "objects": []}' >empty.json
+  refuse 3 'empty.json: scene: found nothing in it' guide scene empty.json -s 8 -o out.exr
 }

@@ -1,0 +1,262 @@
+/* Scenes of several objects: spheres that are exact, instances that are where a moved mesh would be. */
+#include <math.h>
+
+#include "../scene/scratch.h"
+#include "stylut/guide.h"
+
+static const unsigned ALL =
+    STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT | STY_GUIDE_STYLE;
+enum { SIDE = 96 };
+
+static StyScene *open_scene(void) {
+  StyScene *scene = NULL;
+  assert_int_equal(sty_create_scene(&scene, NULL), STY_OK);
+  return scene;
+}
+
+static int add_cube(Scratch *scratch, StyScene *scene) {
+  StyMesh *mesh = NULL;
+  int number = -1;
+  assert_int_equal(read_text_mesh(scratch, "cube.obj", CUBE_OBJ, 30, &mesh, NULL), STY_OK);
+  assert_int_equal(sty_add_mesh(scene, &mesh, &number, NULL), STY_OK);
+  assert_null(mesh);
+  return number;
+}
+
+static void add_object(StyScene *scene, int mesh, const double transform[3][4], int style) {
+  StyObject object = {.mesh = mesh, .style = style};
+  memcpy(object.transform, transform, sizeof object.transform);
+  assert_int_equal(sty_add_object(scene, &object, NULL), STY_OK);
+}
+
+static void add_sphere(StyScene *scene, double x, double y, double z, double radius, int style) {
+  const StySphere sphere = {.centre = {x, y, z}, .radius = radius, .style = style};
+  assert_int_equal(sty_add_sphere(scene, &sphere, NULL), STY_OK);
+}
+
+static StyImage *trace_from(StyScene *scene, const StyStand *stand) {
+  StyCamera camera;
+  StyImage *guide = NULL;
+  StyError error = {STY_OK, ""};
+  const StyTraceOptions options = {SIDE, SIDE, ALL, false};
+  if (sty_place_camera(scene, stand, SIDE, SIDE, &camera, &error) ||
+      sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error))
+    fail_msg("%s", error.text);
+  return guide;
+}
+
+static float at(const StyImage *guide, const char *channel, int x, int y) {
+  const float *plane = sty_find_channel(guide, channel);
+  assert_non_null(plane);
+  return plane[y * guide->width + x];
+}
+
+/* The largest difference of all channels; pixels that only one covers count in *edges. A good part is covered. */
+static double compare(const StyImage *a, const StyImage *b, bool mirrored, int *edges) {
+  double worst = 0;
+  int covered = 0;
+  *edges = 0;
+  assert_int_equal(a->channel_count, b->channel_count);
+  for (int y = 0; y < SIDE; y++)
+    for (int x = 0; x < SIDE; x++) {
+      const int other = mirrored ? SIDE - 1 - x : x;
+      if (at(a, "A", x, y) != at(b, "A", other, y)) {
+        ++*edges;
+        continue;
+      }
+      if (at(a, "A", x, y) == 0) continue;
+      covered++;
+      for (int c = 0; c < a->channel_count; c++) {
+        const bool flips = mirrored && (strcmp(a->names[c], "normal.X") == 0 || strcmp(a->names[c], "position.X") == 0);
+        const double found = (double)at(b, a->names[c], other, y) * (flips ? -1 : 1);
+        worst = fmax(worst, fabs((double)at(a, a->names[c], x, y) - found));
+      }
+    }
+  assert_in_range(covered, SIDE * SIDE / 20, SIDE * SIDE);
+  return worst;
+}
+
+/* A sphere that fills the film is the analytic one, wherever in the world it lies and however large it is. */
+static void test_sphere_is_exact(void **state) {
+  (void)state;
+  static const double places[][4] = {
+      {0, 0, 0, 1}, {2, -1, 3, 0.7}, {1e8, -1e8, 5e7, 30}, {0, 0, 0, 1e-20}, {1, 1, 1, 1e20}};
+  StyImage *exact = NULL;
+  assert_int_equal(sty_make_sphere_guide(SIDE, SIDE, ALL, &exact, NULL), STY_OK);
+  for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+    const double *p = places[i], r = p[3];
+    StyScene *scene = open_scene();
+    add_sphere(scene, p[0], p[1], p[2], r, 1);
+    assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+    const StyStand stand = {
+        .position = {p[0], p[1], p[2] + r}, .target = {p[0], p[1], p[2]}, .up = {0, 1, 0}, .height = 2 * r};
+    StyImage *traced = trace_from(scene, &stand);
+    for (int y = 0; y < SIDE; y++)
+      for (int x = 0; x < SIDE; x++) {
+        const double u = (x + 0.5) / SIDE * 2 - 1, v = (y + 0.5) / SIDE * 2 - 1;
+        if (fabs(u * u + v * v - 1) < 1e-5) continue;
+        assert_true(at(traced, "A", x, y) == at(exact, "A", x, y));
+        if (at(exact, "A", x, y) == 0) continue;
+        static const char *const normals[] = {"normal.X", "normal.Y", "normal.Z"};
+        for (int k = 0; k < 3; k++)
+          assert_true(fabsf(at(traced, normals[k], x, y) - at(exact, normals[k], x, y)) < 1e-5f);
+        assert_true(fabs((double)at(traced, "depth.Z", x, y) - (double)at(exact, "depth.Z", x, y) * r) < 1e-5 * r);
+        assert_true(at(traced, "object.I", x, y) == 1 && at(traced, "style.I", x, y) == 1);
+      }
+    sty_destroy_image(&traced);
+    sty_destroy_scene(&scene);
+  }
+  sty_destroy_image(&exact);
+}
+
+/* Seen from its centre it is a room: every pixel covered, at the radius' distance, facing inward. */
+static void test_inside_a_sphere(void **state) {
+  (void)state;
+  StyScene *scene = open_scene();
+  add_sphere(scene, 1, 2, 3, 5, 2);
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+  const StyStand stand = {.perspective = true, .position = {1, 2, 3}, .target = {9, 2, 3}, .up = {0, 1, 0}, .fov = 90};
+  StyImage *guide = trace_from(scene, &stand);
+  for (int y = 0; y < SIDE; y++)
+    for (int x = 0; x < SIDE; x++) {
+      double squared = 0;
+      static const char *const positions[] = {"position.X", "position.Y", "position.Z"};
+      for (int k = 0; k < 3; k++) squared += pow((double)at(guide, positions[k], x, y) - (k + 1), 2);
+      assert_true(fabs(sqrt(squared) - 5) < 1e-5);
+      assert_true(at(guide, "normal.Z", x, y) > 0.5f);
+    }
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&scene);
+}
+
+/* The cube through a transform is the cube whose vertices were moved. */
+static void test_instances(void **state) {
+  static const double moved[3][4] = {{1.3, 0, 0.1, 2.1}, {0, 0.55, 0.25, -1.1}, {0, 0, 1.9, 0.5}};
+  static const StyStand stand = {
+      .perspective = true, .position = {4, 6, 12}, .target = {1, -1, 0}, .up = {0, 1, 0}, .fov = 40};
+  char text[1024] = "";
+  for (int v = 0; v < 8; v++) {
+    const int bits = v ^ (v >> 1 & 1);
+    const double p[3] = {bits & 1 ? 1 : -1, bits & 2 ? 1 : -1, bits & 4 ? 1 : -1};
+    double q[3];
+    for (int i = 0; i < 3; i++) q[i] = moved[i][0] * p[0] + moved[i][1] * p[1] + moved[i][2] * p[2] + moved[i][3];
+    snprintf(text + strlen(text), sizeof text - strlen(text), "v %.9g %.9g %.9g\n", q[0], q[1], q[2]);
+  }
+  snprintf(text + strlen(text), sizeof text - strlen(text), "%s", strchr(CUBE_OBJ, 'f'));
+  StyScene *instanced = open_scene(), *written = NULL;
+  add_object(instanced, add_cube(*state, instanced), moved, 1);
+  assert_int_equal(sty_finish_scene(instanced, NULL), STY_OK);
+  assert_int_equal(read_text_scene(*state, "moved.obj", text, 30, &written, NULL), STY_OK);
+  StyImage *a = trace_from(instanced, &stand), *b = trace_from(written, &stand);
+  int edges;
+  const double worst = compare(a, b, false, &edges);
+  print_message("instance: largest difference %.2g, %d pixels at edges\n", worst, edges);
+  assert_true(worst < 2e-5);
+  assert_in_range(edges, 0, 2);
+  sty_destroy_image(&a);
+  sty_destroy_image(&b);
+  sty_destroy_scene(&instanced);
+  sty_destroy_scene(&written);
+}
+
+/* Mirror the scene, mirror the guide. */
+static void test_mirror(void **state) {
+  static const double plain[3][4] = {{0.5, 0.2, 0, 1}, {-0.2, 0.5, 0, 0.3}, {0, 0, 0.5, -0.2}},
+                      mirrored[3][4] = {{-0.5, -0.2, 0, -1}, {-0.2, 0.5, 0, 0.3}, {0, 0, 0.5, -0.2}};
+  static const StyStand stand = {
+      .perspective = true, .position = {0, 1, 7}, .target = {0, 0, 0}, .up = {0, 1, 0}, .fov = 45};
+  StyImage *guides[2];
+  for (int side = 0; side < 2; side++) {
+    StyScene *scene = open_scene();
+    add_object(scene, add_cube(*state, scene), side ? mirrored : plain, 3);
+    add_sphere(scene, side ? 1.2 : -1.2, 0.4, 0.5, 0.8, 4);
+    assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+    guides[side] = trace_from(scene, &stand);
+    sty_destroy_scene(&scene);
+  }
+  int edges;
+  const double worst = compare(guides[0], guides[1], true, &edges);
+  print_message("mirrored: largest difference %.2g, %d pixels at edges\n", worst, edges);
+  assert_true(worst < 1e-5);
+  assert_in_range(edges, 0, 2);
+  for (int side = 0; side < 2; side++) sty_destroy_image(&guides[side]);
+}
+
+/* A row of four things, each with its id and style. */
+static void test_ids(void **state) {
+  StyScene *scene = open_scene();
+  const int cube = add_cube(*state, scene);
+  for (int i = 0; i < 3; i++) {
+    const double transform[3][4] = {{0.4, 0, 0, i - 1.5}, {0, 0.4, 0, 0}, {0, 0, 0.4, 0}};
+    add_object(scene, cube, transform, 10 * i);
+  }
+  add_sphere(scene, 1.5, 0, 0, 0.4, 255);
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+  const StyStand stand = {.position = {0, 0, 5}, .target = {0, 0, 0}, .up = {0, 1, 0}, .height = 4};
+  StyImage *guide = trace_from(scene, &stand);
+  static const float styles[4] = {0, 10, 20, 255};
+  for (int i = 0; i < 4; i++) {
+    const int x = SIDE / 8 + i * SIDE / 4;
+    assert_true(at(guide, "object.I", x, SIDE / 2) == (float)(i + 1));
+    assert_true(at(guide, "style.I", x, SIDE / 2) == styles[i]);
+  }
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&scene);
+}
+
+/* The same bytes on any number of threads. */
+static void test_threads(void **state) {
+  StyScene *scene = open_scene();
+  const int cube = add_cube(*state, scene);
+  for (int i = 0; i < 50; i++) {
+    const double transform[3][4] = {
+        {0.3, 0.1 * sin(i), 0, cos(i * 1.7) * 4}, {0, 0.3, 0, sin(i * 2.3) * 4}, {0.1, 0, 0.3, cos(i * 0.9)}};
+    add_object(scene, cube, transform, i % 4);
+    add_sphere(scene, cos(i * 2.9) * 4, sin(i * 1.1) * 4, sin(i * 3.3), 0.25, i % 3);
+  }
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+  StyCamera camera;
+  const StyView view = {.azimuth = 20, .elevation = 30, .perspective = true, .fov = 50};
+  assert_int_equal(sty_fit_camera(scene, &view, SIDE, SIDE, &camera, NULL), STY_OK);
+  StyImage *first = NULL;
+  for (int threads = 1; threads <= 4; threads++) {
+    StyImage *guide = NULL;
+    const StyTraceOptions options = {SIDE, SIDE, ALL, false};
+    const StyRun run = {.threads = threads};
+    assert_int_equal(sty_trace_guide(scene, &camera, &options, &run, NULL, &guide, NULL), STY_OK);
+    if (!first) {
+      first = guide;
+      continue;
+    }
+    assert_memory_equal(first->data, guide->data,
+                        (size_t)guide->channel_count * sty_count_pixels(guide) * sizeof *guide->data);
+    sty_destroy_image(&guide);
+  }
+  sty_destroy_image(&first);
+  sty_destroy_scene(&scene);
+}
+
+static void test_refused(void **state) {
+  (void)state;
+  StyScene *scene = open_scene();
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_ERROR_INPUT);
+  const StySphere none = {.radius = 0}, odd = {.radius = NAN}, far = {.centre = {1e31, 0, 0}, .radius = 1};
+  assert_int_equal(sty_add_sphere(scene, &none, NULL), STY_ERROR_INPUT);
+  assert_int_equal(sty_add_sphere(scene, &odd, NULL), STY_ERROR_INPUT);
+  assert_int_equal(sty_add_sphere(scene, &far, NULL), STY_OK);
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_ERROR_INPUT);
+  sty_destroy_scene(&scene);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_sphere_is_exact),
+      cmocka_unit_test(test_inside_a_sphere),
+      cmocka_unit_test(test_instances),
+      cmocka_unit_test(test_mirror),
+      cmocka_unit_test(test_ids),
+      cmocka_unit_test(test_threads),
+      cmocka_unit_test(test_refused),
+  };
+  return cmocka_run_group_tests(tests, open_scratch, close_scratch);
+}

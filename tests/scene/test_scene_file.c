@@ -1,0 +1,185 @@
+#include <math.h>
+
+#include "scratch.h"
+#include "stylut/scene_file.h"
+
+static const char CUBE[] = CUBE_OBJ;
+
+/* Reads scene.json with this text beside cube.obj. */
+static StyStatus read_text(Scratch *scratch, const char *text, StyScene **scene, StyViewpoint *viewpoint,
+                           StyError *error) {
+  char mesh[sizeof scratch->path];
+  write_bytes(scratch, "cube.obj", CUBE, strlen(CUBE));
+  memcpy(mesh, scratch->path, sizeof mesh);
+  const StyStatus status =
+      sty_read_scene(write_bytes(scratch, "scene.json", text, strlen(text)), NULL, scene, viewpoint, error);
+  unlink(scratch->path);
+  unlink(mesh);
+  return status;
+}
+
+static StyScene *read_good(Scratch *scratch, const char *text, StyViewpoint *viewpoint) {
+  StyScene *scene = NULL;
+  StyError error = {STY_OK, ""};
+  if (read_text(scratch, text, &scene, viewpoint, &error)) fail_msg("%s", error.text);
+  return scene;
+}
+
+/* ---- what is read ------------------------------------------------------------- */
+
+static void test_whole(void **state) {
+  StyViewpoint viewpoint;
+  StyScene *scene = read_good(
+      *state,
+      "{\"schema\": \"stylut-scene/1\",\n \"camera\": {\"type\": \"perspective\", \"position\": [0, 1, 6], \"target\": "
+      "[0, 0, 0], \"up\": [0, 0.5, 0], \"fov\": 40},\n \"objects\": [{\"mesh\": \"cube.obj\"}, {\"mesh\": "
+      "\"cube.obj\", "
+      "\"style\": 7, \"transform\": [2, 0, 0, 10, 0, 1, 0, -3, 0, 0, 0.5, 4, 0, 0, 0, 1]}],\n"
+      "\"spheres\": [{\"center\": [0, 5, 0], \"radius\": 2, \"style\": 0}]}",
+      &viewpoint);
+  assert_int_equal(scene->mesh_count, 1); /* shared */
+  assert_int_equal(scene->object_count, 2);
+  assert_int_equal(scene->sphere_count, 1);
+  assert_int_equal(sty_count_scene_triangles(scene), 24);
+  assert_int_equal(scene->objects[0].style, 1);
+  assert_int_equal(scene->objects[1].style, 7);
+  assert_int_equal(scene->spheres[0].style, 0);
+  assert_int_equal(scene->objects[0].first_id, 1);
+  assert_int_equal(scene->objects[1].first_id, 2);
+  assert_int_equal(scene->spheres[0].id, 3);
+  static const double low[3] = {-2, -4, -2}, high[3] = {12, 7, 4.5};
+  for (int k = 0; k < 3; k++) {
+    assert_true(fabs(scene->minimum[k] - low[k]) < 1e-6);
+    assert_true(fabs(scene->maximum[k] - high[k]) < 1e-6);
+    assert_true(fabs(scene->centre[k] - (low[k] + high[k]) / 2) < 1e-6);
+  }
+  assert_true(fabs(scene->scale - 2.0 / 14) < 1e-7);
+  assert_true(!viewpoint.is_fit && viewpoint.stand.perspective && viewpoint.stand.fov == 40);
+  assert_true(viewpoint.stand.position[2] == 6 && viewpoint.stand.up[1] == 0.5);
+  sty_destroy_scene(&scene);
+}
+
+static void test_defaults(void **state) {
+  StyViewpoint viewpoint;
+  StyScene *scene = read_good(*state, "{\"schema\": \"stylut-scene/1\", \"spheres\": [{}]}", &viewpoint);
+  assert_true(scene->spheres[0].radius == 1 && scene->spheres[0].style == 1 && scene->spheres[0].centre[1] == 0);
+  assert_true(viewpoint.is_fit && !viewpoint.view.perspective && viewpoint.view.azimuth == 0);
+  StyCamera camera;
+  assert_int_equal(sty_set_camera(scene, &viewpoint, 64, 64, &camera, NULL), STY_OK);
+  assert_true(fabs(camera.half_width - 1 / 0.9) < 1e-12 && fabs(camera.eye[2] - 1) < 1e-12);
+  sty_destroy_scene(&scene);
+  scene =
+      read_good(*state,
+                "{\"schema\": \"stylut-scene/1\", \"camera\": {\"view\": \"90,0\", \"up\": [0, 0, 1], \"fov\": 20}, "
+                "\"objects\": [{\"mesh\": \"cube.obj\"}]}",
+                &viewpoint);
+  assert_true(viewpoint.is_fit && viewpoint.view.perspective && viewpoint.view.up == STY_UP_Z);
+  assert_true(viewpoint.view.azimuth == 90 && viewpoint.view.fov == 20);
+  sty_destroy_scene(&scene);
+}
+
+/* A camera that stands: its axes and film, in the trace space of a sphere of radius 2 about the origin. */
+static void test_stands(void **state) {
+  StyViewpoint viewpoint;
+  StyCamera camera;
+  StyScene *scene = read_good(*state,
+                              "{\"schema\": \"stylut-scene/1\", \"camera\": {\"type\": \"orthographic\", \"position\": "
+                              "[0, 8, 0], \"target\": [0, 0, 0], \"up\": [0, 0, -3], \"height\": 6}, \"spheres\": "
+                              "[{\"radius\": 2}]}",
+                              &viewpoint);
+  assert_int_equal(sty_set_camera(scene, &viewpoint, 200, 100, &camera, NULL), STY_OK);
+  static const double right[3] = {1, 0, 0}, up[3] = {0, 0, -1}, back[3] = {0, 1, 0};
+  for (int k = 0; k < 3; k++) {
+    assert_true(fabs(camera.right[k] - right[k]) < 1e-15 && fabs(camera.up[k] - up[k]) < 1e-15);
+    assert_true(fabs(camera.back[k] - back[k]) < 1e-15);
+  }
+  assert_true(fabs(camera.half_height - 1.5) < 1e-15 && fabs(camera.half_width - 3) < 1e-15);
+  assert_true(fabs(camera.eye[1] - 4) < 1e-15);
+  StyStand stand = viewpoint.stand;
+  StyError error = {STY_OK, ""};
+  stand.up[2] = 0;
+  stand.up[1] = 1; /* which it looks along */
+  assert_int_equal(sty_place_camera(scene, &stand, 8, 8, &camera, &error), STY_ERROR_INPUT);
+  assert_non_null(strstr(error.text, "up"));
+  stand = viewpoint.stand;
+  memcpy(stand.target, stand.position, sizeof stand.target);
+  assert_int_equal(sty_place_camera(scene, &stand, 8, 8, &camera, &error), STY_ERROR_INPUT);
+  assert_int_equal(sty_place_camera(scene, &viewpoint.stand, 0, 8, &camera, &error), STY_ERROR_USAGE);
+  sty_destroy_scene(&scene);
+}
+
+/* ---- what is refused ---------------------------------------------------------- */
+
+#define HEAD "{\"schema\": \"stylut-scene/1\",\n"
+
+static void test_refused(void **state) {
+  static const struct {
+    const char *text, *parts[3];
+  } cases[] = {
+      {"[]", {"an object"}},
+      {"{}", {"schema"}},
+      {"{\"schema\": \"stylut-scene/2\", \"spheres\": [{}]}", {"stylut-scene/1", ":1:12:"}},
+      {HEAD "\"sphere\": []}", {":2:11:", "sphere", "unknown key"}},
+      {HEAD "\"objects\": []}", {"nothing in it"}},
+      {HEAD "\"objects\": {}}", {":2:12:", "a list"}},
+      {HEAD "\"objects\": [7]}", {":2:13:", "objects[0]", "an object"}},
+      {HEAD "\"objects\": [{\"mesh\": \"\"}]}", {"objects[0].mesh"}},
+      {HEAD "\"objects\": [{\"style\": 1}]}", {"\"mesh\""}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"style\": 256}]}", {"objects[0].style", "256", "0 to 255"}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"style\": 1.5}]}", {"objects[0].style", "1.5"}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1, 2]}]}", {"transform", "a list of 2", "16"}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,0, 0,1,0,0, 0,0,1,\"x\", 0,0,0,1]}]}",
+       {"transform[11]", "\"x\""}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}]}",
+       {"transform", "0, 0, 0, 1"}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,0, 0,1,0,0, 1,1,0,0, 0,0,0,1]}]}",
+       {"objects[0].transform", "undone"}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,1]}]}",
+       {"objects[0].transform", "undone"}},
+      {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,2e30, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]}",
+       {"transform[3]", "1e+30"}},
+      {HEAD "\"spheres\": [{\"radius\": 0}]}", {"spheres[0].radius", "found 0"}},
+      {HEAD "\"spheres\": [{\"radius\": -1}]}", {"spheres[0].radius"}},
+      {HEAD "\"spheres\": [{\"centre\": [0, 0, 0]}]}", {"centre", "unknown key", "center"}},
+      {HEAD "\"spheres\": [{\"center\": [0, 0]}]}", {"spheres[0].center", "a list of 2", "3 numbers"}},
+      {HEAD "\"spheres\": [{}], \"camera\": 1}", {"camera", "an object"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"fisheye\"}}", {"camera.type", "fisheye", "perspective"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"perspective\"}}", {"position"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"orthographic\", \"position\": [0,0,9], \"target\": [0,0,0]}}",
+       {"height"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"view\": \"behind\"}}", {"camera.view", "behind", "three-quarter"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"up\": [1, 1, 0]}}", {"camera.up", "axis"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"height\": 2}}", {"height", "unknown key"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"fov\": 171}}", {"camera.fov", "171"}},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    StyScene *scene = NULL;
+    StyViewpoint viewpoint;
+    StyError error = {STY_OK, ""};
+    if (read_text(*state, cases[i].text, &scene, &viewpoint, &error) != STY_ERROR_INPUT)
+      fail_msg("case %zu: found '%s', expected an input error", i, error.text);
+    assert_null(scene);
+    assert_non_null(strstr(error.text, "scene.json"));
+    for (int p = 0; p < 3 && cases[i].parts[p]; p++)
+      if (!strstr(error.text, cases[i].parts[p]))
+        fail_msg("case %zu: '%s' lacks '%s'", i, error.text, cases[i].parts[p]);
+  }
+}
+
+static void test_missing_mesh(void **state) {
+  StyScene *scene = NULL;
+  StyViewpoint viewpoint;
+  StyError error = {STY_OK, ""};
+  assert_int_equal(read_text(*state, HEAD "\"objects\": [{\"mesh\": \"cone.obj\"}]}", &scene, &viewpoint, &error),
+                   STY_ERROR_FILE);
+  assert_non_null(strstr(error.text, "cone.obj"));
+  assert_null(scene);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_whole),   cmocka_unit_test(test_defaults),     cmocka_unit_test(test_stands),
+      cmocka_unit_test(test_refused), cmocka_unit_test(test_missing_mesh),
+  };
+  return cmocka_run_group_tests(tests, open_scratch, close_scratch);
+}
