@@ -29,7 +29,8 @@ static const double default_fov = 35;
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
     {"channels", 'c', "LIST", 0,
-     "comma-separated: normal, depth, position, object, style, or all (default: normal,depth); A, the coverage, is "
+     "comma-separated: normal, depth, position, object, style, albedo, luma, or all (default: normal,depth); A, the "
+     "coverage, is "
      "always "
      "there",
      0},

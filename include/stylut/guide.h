@@ -7,6 +7,10 @@
  *   position.X .Y .Z     world position; miss 0
  *   object.I             id of the part, 1 and up; miss 0
  *   style.I              id of the style that the scene gives it, 0 = none; miss 0
+ *   albedo.R .G .B       scene-linear diffuse reflectance; miss 0
+ *   luma.Y               scene-linear luminance of the lit surface (Rec. 709 weights): its
+ *                        reflectance times what reaches it, times the cosine, and the highlight;
+ *                        white, faced by a light of intensity 1, is 1; miss 0
  * View space: +X right, +Y up, +Z toward the viewer. A shading normal that
  * would face away from its view ray is bent to the horizon. */
 #ifndef STYLUT_GUIDE_H
@@ -27,6 +31,8 @@ typedef enum StyChannelGroup {
   STY_GUIDE_POSITION = 1 << 2,
   STY_GUIDE_OBJECT = 1 << 3,
   STY_GUIDE_STYLE = 1 << 4,
+  STY_GUIDE_ALBEDO = 1 << 5,
+  STY_GUIDE_LUMA = 1 << 6,
 } StyChannelGroup;
 
 /* "normal,depth,..." or "all" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */

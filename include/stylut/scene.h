@@ -13,22 +13,43 @@
 extern "C" {
 #endif
 
-enum { STY_MOST_OBJECTS = 65536, STY_MOST_STYLE = 255 };
+enum { STY_MOST_OBJECTS = 65536, STY_MOST_STYLE = 255, STY_MOST_LIGHTS = 64 };
+
+/* How a surface answers light, scene-linear: Lambert, and Blinn-Phong's highlight (Blinn 1977). */
+typedef struct StyMaterial {
+  double colour[3]; /* diffuse reflectance, 0..1 */
+  double specular;  /* of the highlight, 0..1; 0: none */
+  double shininess; /* its exponent, 1..10000 */
+} StyMaterial;
+
+extern const StyMaterial sty_white; /* without a highlight */
 
 /* A mesh put into the world; several may share one. */
 typedef struct StyObject {
   int mesh;               /* index in the scene */
   double transform[3][4]; /* the file's coordinates to the world's; the last column moves */
   int style;              /* 1 .. STY_MOST_STYLE, 0 = none */
-  int first_id;           /* part p of the mesh has object.I = first_id + p - 1; set by sty_finish_scene */
+  StyMaterial material;
+  int first_id; /* part p of the mesh has object.I = first_id + p - 1; set by sty_finish_scene */
 } StyObject;
 
 /* An analytic sphere: exact wherever it is looked at. */
 typedef struct StySphere {
   double centre[3], radius; /* world */
   int style;                /* as above */
-  int id;                   /* its object.I; set by sty_finish_scene */
+  StyMaterial material;
+  int id; /* its object.I; set by sty_finish_scene */
 } StySphere;
+
+/* A light without size. What reaches a surface that faces it is colour * intensity, of a
+ * point light divided by the distance squared, world units. */
+typedef struct StyLight {
+  bool is_point;
+  double direction[3]; /* the way a directional light shines, any length; world */
+  double position[3];  /* of a point light; world */
+  double intensity;    /* 0 and up */
+  double colour[3];    /* 0 and up */
+} StyLight;
 
 typedef struct StyScene {
   StyMesh **meshes; /* owned */
@@ -37,6 +58,10 @@ typedef struct StyScene {
   int object_count;
   StySphere *spheres;
   int sphere_count;
+  StyLight *lights;
+  int light_count;
+  double ambient;                /* reaches every surface from everywhere */
+  bool shadows;                  /* whether things stand in each other's light */
   double centre[3];              /* world */
   double scale;                  /* trace units per world unit */
   double minimum[3], maximum[3]; /* world bounds */
@@ -44,16 +69,18 @@ typedef struct StyScene {
 
 extern const double sty_identity[3][4];
 
-/* An empty scene; the caller owns it. Frees and nulls *scene and all it owns. */
+/* An empty scene, evenly lit (ambient 1, with shadows); the caller owns it. Frees and nulls *scene and all it owns. */
 StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
 
 /* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
  * which it is. STY_ERROR_INPUT: a transform without a volume or with values that aren't
- * finite, a radius that isn't positive, more than STY_MOST_OBJECTS. */
+ * finite, a radius that isn't positive, a light without a direction, more than
+ * STY_MOST_OBJECTS, or STY_MOST_LIGHTS. */
 StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *error);
 StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error);
 StyStatus sty_add_sphere(StyScene *scene, const StySphere *sphere, StyError *error);
+StyStatus sty_add_light(StyScene *scene, const StyLight *light, StyError *error);
 
 /* To be called when all is there: numbers objects, their parts in turn and then spheres,
  * from 1, and sets bounds and trace space. STY_ERROR_INPUT: an empty scene, one without

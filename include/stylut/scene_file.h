@@ -3,7 +3,10 @@
  *   { "schema": "stylut-scene/1",
  *     "camera": { "type": "fit", "view": "three-quarter", "up": [0,1,0], "fov": 35 },
  *     "objects": [ { "mesh": "golem.obj", "transform": [16 numbers, row by row], "style": 1 } ],
- *     "spheres": [ { "center": [2,0,0], "radius": 0.7, "style": 2 } ] }
+ *     "spheres": [ { "center": [2,0,0], "radius": 0.7, "style": 2, "color": [0.8,0.3,0.2] } ],
+ *     "lights":  [ { "type": "directional", "direction": [-1,-1,-1], "intensity": 1, "color": [1,1,1] },
+ *                  { "type": "point", "position": [0,5,0], "intensity": 20 } ],
+ *     "ambient": 0.1, "shadows": true }
  *
  * Paths are relative to the file. A camera of type
  *   fit           holds the whole scene, seen from "view" (default "front") with "up" along one of
@@ -12,7 +15,9 @@
  *   orthographic  likewise, but sees "height" world units
  * "up" is [0,1,0] where it isn't given, "style" 1; without a camera, fit. A transform takes the
  * mesh file's coordinates to the world's; its last row is 0 0 0 1. Objects that name the same mesh
- * share it. Unknown keys and wrong types are errors with line and column. */
+ * share it. Objects and spheres may have a "color" (default white), and a highlight: "specular"
+ * (0) and "shininess" (32). "ambient" is 0.1 where there are lights, else 1, so that a scene
+ * without any is evenly lit; shadows are on. Unknown keys and wrong types are errors with line and column. */
 #ifndef STYLUT_SCENE_FILE_H
 #define STYLUT_SCENE_FILE_H
 

@@ -10,6 +10,8 @@ const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT] = {
     {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, offsetof(StySample, position)},
     {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, offsetof(StySample, object)},
     {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, offsetof(StySample, style)},
+    {STY_GUIDE_ALBEDO, "albedo", 3, {"albedo.R", "albedo.G", "albedo.B"}, 0, offsetof(StySample, albedo)},
+    {STY_GUIDE_LUMA, "luma", 1, {"luma.Y"}, 0, offsetof(StySample, luma)},
 };
 
 static unsigned get_all_groups(void) {

@@ -11,7 +11,7 @@
 #include "stylut/guide.h"
 
 #define STY_GROUP_CHANNELS 3 /* at most, per group */
-#define STY_GROUP_COUNT 5
+#define STY_GROUP_COUNT 7
 
 /* What a guide says about one covered pixel; only the groups asked for are set. */
 typedef struct StySample {
@@ -20,6 +20,8 @@ typedef struct StySample {
   double position[3];
   double object;
   double style;
+  double albedo[3];
+  double luma;
 } StySample;
 
 typedef struct StyChannelGroupInfo {

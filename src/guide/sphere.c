@@ -13,7 +13,13 @@ StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage
       const double rest = 1 - x * x - y * y;
       if (rest < 0) continue;
       const double z = sqrt(rest);
-      const StySample sample = {.normal = {x, y, z}, .depth = 1 - z, .position = {x, y, z}, .object = 1, .style = 1};
+      const StySample sample = {.normal = {x, y, z},
+                                .depth = 1 - z,
+                                .position = {x, y, z},
+                                .object = 1,
+                                .style = 1,
+                                .albedo = {1, 1, 1},
+                                .luma = 1};
       sty_set_sample(&guide, (size_t)j * (size_t)width + (size_t)i, &sample);
     }
   }

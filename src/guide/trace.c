@@ -248,6 +248,7 @@ typedef struct Hit {
   double at[3];      /* trace space */
   double facet[3];   /* normal of the surface itself, any length, on the viewer's side */
   double shading[3]; /* the normal that light would see, unit length, on the same side */
+  const StyMaterial *material;
   int style, object;
 } Hit;
 
@@ -310,6 +311,7 @@ static void hit_triangle(const Placed *placed, unsigned triangle, double u, doub
   for (int k = 0; k < 3; k++)
     hit->at[k] = weights[0] * corners[0][k] + weights[1] * corners[1][k] + weights[2] * corners[2][k];
   interpolate_normal(placed, indices, weights, hit->facet, hit->shading);
+  hit->material = &placed->object->material;
   hit->style = placed->object->style;
   hit->object = placed->object->first_id + (int)placed->mesh->part_ids[triangle] - 1;
 }
@@ -333,6 +335,7 @@ static void hit_sphere(const Ball *ball, const Ray *ray, Hit *hit) {
     for (int k = 0; k < 3; k++) hit->facet[k] = -hit->facet[k];
   memcpy(hit->shading, hit->facet, sizeof hit->shading);
   normalize_vector(hit->shading);
+  hit->material = &ball->sphere->material;
   hit->style = ball->sphere->style;
   hit->object = ball->sphere->id;
 }
@@ -380,15 +383,107 @@ static void shade_place(const Render *render, const Hit *hit, StySample *sample)
   sample->depth = -dot_vectors(from_eye, render->camera->back) / scene->scale;
 }
 
-static void shade_hit(const Render *render, const Ray *ray, const struct RTCRayHit8 *packet, int i, size_t pixel) {
+/* ---- light ---- */
+
+/* What a block's pixels see; those that see nothing aren't valid. */
+typedef struct Block {
+  Ray rays[BLOCK];
+  Hit hits[BLOCK];
+  double luma[BLOCK];
+  _Alignas(32) int valid[BLOCK];
+} Block;
+
+/* Shadow rays start this far off the surface (trace units). */
+static const double SHADOW_START = 1.0 / 32768;
+
+static double get_luminance(const double colour[3]) {
+  return 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
+}
+
+/* From a hit to the light: a unit vector, and the distance in trace units; false where they are in one place. */
+static bool aim_at_light(const StyScene *scene, const StyLight *light, const Hit *hit, double to[3], double *distance) {
+  for (int k = 0; k < 3; k++)
+    to[k] =
+        light->is_point ? (light->position[k] - scene->centre[k]) * scene->scale - hit->at[k] : -light->direction[k];
+  *distance = light->is_point ? sqrt(dot_vectors(to, to)) : INFINITY;
+  return normalize_vector(to);
+}
+
+static void set_shadow_ray(struct RTCRay8 *packet, int i, const Hit *hit, const double to[3], double distance) {
+  double off[3] = {hit->facet[0], hit->facet[1], hit->facet[2]}, start[3];
+  normalize_vector(off);
+  /* Where only the interpolated normal faces the light, the facet is seen from behind by it. */
+  const double side = dot_vectors(off, to) < 0 ? -SHADOW_START : SHADOW_START;
+  for (int k = 0; k < 3; k++) start[k] = hit->at[k] + side * off[k];
+  packet->org_x[i] = (float)start[0];
+  packet->org_y[i] = (float)start[1];
+  packet->org_z[i] = (float)start[2];
+  packet->dir_x[i] = (float)to[0];
+  packet->dir_y[i] = (float)to[1];
+  packet->dir_z[i] = (float)to[2];
+  packet->tnear[i] = 0;
+  packet->tfar[i] = (float)distance;
+  packet->time[i] = 0;
+  packet->mask[i] = ~0u;
+  packet->id[i] = 0;
+  packet->flags[i] = 0;
+}
+
+/* Lambert and Blinn-Phong, of one light that is not hidden. */
+static double reflect(const Hit *hit, const Ray *ray, const StyLight *light, const double to[3], double received) {
+  double colour[3], half[3], toward[3] = {-ray->direction[0], -ray->direction[1], -ray->direction[2]};
+  const double cosine = dot_vectors(hit->shading, to);
+  for (int k = 0; k < 3; k++) colour[k] = hit->material->colour[k] * light->colour[k];
+  double luma = get_luminance(colour) * cosine;
+  if (hit->material->specular > 0 && normalize_vector(toward)) {
+    for (int k = 0; k < 3; k++) half[k] = toward[k] + to[k];
+    if (normalize_vector(half))
+      luma += get_luminance(light->colour) * hit->material->specular *
+              pow(fmax(0, dot_vectors(hit->shading, half)), hit->material->shininess);
+  }
+  return luma * received;
+}
+
+/* One light's share for all pixels of a block at once. */
+static void light_block(const Render *render, const StyLight *light, Block *block) {
+  const StyScene *scene = render->tracer->model;
+  _Alignas(32) struct RTCRay8 packet;
+  _Alignas(32) int asks[BLOCK];
+  double to[BLOCK][3], distances[BLOCK];
+  for (int i = 0; i < BLOCK; i++) {
+    asks[i] = 0;
+    if (!block->valid[i] || !aim_at_light(scene, light, &block->hits[i], to[i], &distances[i])) continue;
+    if (!(dot_vectors(block->hits[i].shading, to[i]) > 0)) continue;
+    asks[i] = -1;
+    set_shadow_ray(&packet, i, &block->hits[i], to[i], distances[i]);
+  }
+  if (scene->shadows) {
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(asks, render->tracer->scene, &context, &packet);
+  }
+  for (int i = 0; i < BLOCK; i++) {
+    if (!asks[i] || (scene->shadows && packet.tfar[i] < 0)) continue;
+    const double world = distances[i] / scene->scale;
+    const double received = light->is_point ? light->intensity / (world * world) : light->intensity;
+    block->luma[i] += reflect(&block->hits[i], &block->rays[i], light, to[i], received);
+  }
+}
+
+static void light_all(const Render *render, Block *block) {
+  const StyScene *scene = render->tracer->model;
+  for (int i = 0; i < BLOCK; i++)
+    block->luma[i] = block->valid[i] ? scene->ambient * get_luminance(block->hits[i].material->colour) : 0;
+  for (int l = 0; l < scene->light_count; l++) light_block(render, &scene->lights[l], block);
+}
+
+static void shade_hit(const Render *render, const Block *block, int i, size_t pixel) {
   const unsigned groups = render->options->groups;
-  StySample sample;
-  Hit hit;
-  find_hit(render->tracer, ray, packet, i, &hit);
-  sample.object = hit.object;
-  sample.style = hit.style;
-  if (groups & STY_GUIDE_NORMAL) shade_normal(render, &hit, ray, sample.normal);
-  if (groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, &hit, &sample);
+  const Hit *hit = &block->hits[i];
+  StySample sample = {.object = hit->object, .style = hit->style, .luma = block->luma[i]};
+  memcpy(sample.albedo, hit->material->colour, sizeof sample.albedo);
+  if (groups & STY_GUIDE_NORMAL) shade_normal(render, hit, &block->rays[i], sample.normal);
+  if (groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, hit, &sample);
   sty_set_sample(&render->guide, pixel, &sample);
 }
 
@@ -396,20 +491,24 @@ static void shade_hit(const Render *render, const Ray *ray, const struct RTCRayH
 
 static void trace_block(const Render *render, struct RTCIntersectContext *context, int x0, int y0) {
   const int width = render->options->width, height = render->options->height;
-  Ray rays[BLOCK];
-  _Alignas(32) int valid[BLOCK];
+  Block block;
   _Alignas(32) struct RTCRayHit8 packet;
   for (int i = 0; i < BLOCK; i++) {
     const int x = x0 + i % BLOCK_WIDTH, y = y0 + i / BLOCK_WIDTH;
-    valid[i] = x < width && y < height ? -1 : 0;
-    rays[i] = make_ray(render, x, y);
-    set_packet_ray(&packet, i, &rays[i]);
+    block.valid[i] = x < width && y < height ? -1 : 0;
+    block.rays[i] = make_ray(render, x, y);
+    set_packet_ray(&packet, i, &block.rays[i]);
   }
-  rtcIntersect8(valid, render->tracer->scene, context, &packet);
+  rtcIntersect8(block.valid, render->tracer->scene, context, &packet);
   for (int i = 0; i < BLOCK; i++) {
-    if (!valid[i] || packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) block.valid[i] = 0;
+    if (block.valid[i]) find_hit(render->tracer, &block.rays[i], &packet, i, &block.hits[i]);
+    block.luma[i] = 0;
+  }
+  if (render->options->groups & STY_GUIDE_LUMA) light_all(render, &block);
+  for (int i = 0; i < BLOCK; i++) {
     const size_t x = (size_t)(x0 + i % BLOCK_WIDTH), y = (size_t)(y0 + i / BLOCK_WIDTH);
-    shade_hit(render, &rays[i], &packet, i, y * (size_t)width + x);
+    if (block.valid[i]) shade_hit(render, &block, i, y * (size_t)width + x);
   }
 }
 

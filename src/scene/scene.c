@@ -9,11 +9,13 @@
 /* Depth and position must fit a float, at the distance of a 1-degree camera too. */
 static const double LARGEST_COORDINATE = 1e30;
 
+const StyMaterial sty_white = {.colour = {1, 1, 1}, .shininess = 1};
 const double sty_identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
 StyStatus sty_create_scene(StyScene **out, StyError *error) {
   StyScene *scene = calloc(1, sizeof *scene);
   if (!scene) return sty_fail_memory(error, "scene", sizeof *scene);
+  *scene = (StyScene){.ambient = 1, .shadows = true};
   *out = scene;
   return STY_OK;
 }
@@ -24,6 +26,7 @@ void sty_destroy_scene(StyScene **scene) {
   free((*scene)->meshes);
   free((*scene)->objects);
   free((*scene)->spheres);
+  free((*scene)->lights);
   free(*scene);
   *scene = NULL;
 }
@@ -89,6 +92,19 @@ StyStatus sty_add_sphere(StyScene *scene, const StySphere *sphere, StyError *err
   if (!status) status = grow(&list, scene->sphere_count, sizeof *scene->spheres, "spheres", error);
   scene->spheres = list;
   if (!status) scene->spheres[scene->sphere_count++] = *sphere;
+  return status;
+}
+
+StyStatus sty_add_light(StyScene *scene, const StyLight *light, StyError *error) {
+  double direction[3] = {light->direction[0], light->direction[1], light->direction[2]};
+  if (!light->is_point && !normalize_vector(direction))
+    return sty_fail(error, STY_ERROR_INPUT, "light: found no direction, expected one that isn't zero");
+  if (scene->light_count == STY_MOST_LIGHTS)
+    return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d lights, expected at most that", STY_MOST_LIGHTS);
+  void *list = scene->lights;
+  const StyStatus status = grow(&list, scene->light_count, sizeof *scene->lights, "lights", error);
+  scene->lights = list;
+  if (!status) scene->lights[scene->light_count++] = *light;
   return status;
 }
 
@@ -200,7 +216,7 @@ StyStatus sty_finish_scene(StyScene *scene, StyError *error) {
 
 StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error) {
   StyScene *scene = NULL;
-  StyObject object = {.style = 1};
+  StyObject object = {.style = 1, .material = sty_white};
   memcpy(object.transform, sty_identity, sizeof sty_identity);
   StyStatus status = sty_create_scene(&scene, error);
   if (status) {

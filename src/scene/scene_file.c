@@ -10,7 +10,7 @@
 
 static const char *const scene_schema = "stylut-scene/1";
 static const double largest_value = 1e30;
-static const double default_margin = 0.05, default_fov = 35;
+static const double default_margin = 0.05, default_fov = 35, default_ambient = 0.1, default_shininess = 32;
 
 /* What is read, and the meshes that were read for it. */
 typedef struct Reading {
@@ -20,6 +20,39 @@ typedef struct Reading {
   StyScene *scene;
   const char **names; /* of the scene's meshes, as the file has them; owned by the document */
 } Reading;
+
+/* ---- what the parts share ------------------------------------------------------ */
+
+static StyStatus require_key(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
+                             const char *what, StyError *error) {
+  if (json_object_get(object, key)) return STY_OK;
+  char expected[96];
+  snprintf(expected, sizeof expected, "a key \"%s\", %s", key, what);
+  return sty_fail_value(document, path, object, expected, error);
+}
+
+/* A complaint of the scene's own, with the place in the file. */
+static StyStatus place_error(const Reading *reading, const StyPath *path, const json_t *value, const StyError *cause,
+                             StyError *error) {
+  const char *expected = strstr(cause->text, "expected ");
+  return sty_fail_value(&reading->document, path, value, expected ? expected + strlen("expected ") : cause->text,
+                        error);
+}
+
+/* A list of the root's, object by object. */
+static StyStatus read_list(Reading *reading, const char *key,
+                           StyStatus (*read)(Reading *, const StyPath *, const json_t *, StyError *), StyError *error) {
+  const StyDocument *document = &reading->document;
+  const json_t *list = json_object_get(document->root, key);
+  const StyPath path = {NULL, key, 0};
+  if (!list) return STY_OK;
+  if (!json_is_array(list) || json_array_size(list) > STY_MOST_OBJECTS)
+    return sty_fail_value(document, &path, list, "a list of at most 65536 objects", error);
+  StyStatus status = STY_OK;
+  for (size_t i = 0; !status && i < json_array_size(list); i++)
+    status = read(reading, &(StyPath){&path, NULL, i}, json_array_get(list, i), error);
+  return status;
+}
 
 /* ---- camera ------------------------------------------------------------------- */
 
@@ -53,14 +86,6 @@ static StyStatus read_fit(const StyDocument *document, const StyPath *path, cons
     return sty_fail_value(document, &(StyPath){path, "up", 0}, json_object_get(camera, "up"),
                           "an axis of the world, as [0, 0, 1], for a camera of type fit", error);
   return status;
-}
-
-static StyStatus require_key(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
-                             const char *what, StyError *error) {
-  if (json_object_get(object, key)) return STY_OK;
-  char expected[96];
-  snprintf(expected, sizeof expected, "a key \"%s\", %s", key, what);
-  return sty_fail_value(document, path, object, expected, error);
 }
 
 static StyStatus read_stand(const StyDocument *document, const StyPath *path, const json_t *camera, StyStand *out,
@@ -99,6 +124,49 @@ static StyStatus read_camera(const StyDocument *document, StyViewpoint *out, Sty
                      : read_stand(document, &path, camera, &out->stand, error);
 }
 
+/* ---- lights ------------------------------------------------------------------- */
+
+static StyStatus get_switch(const StyDocument *document, const char *key, bool *out, StyError *error) {
+  const json_t *value = json_object_get(document->root, key);
+  if (!value) return STY_OK;
+  if (!json_is_boolean(value)) return sty_fail_value(document, &(StyPath){NULL, key, 0}, value, "true or false", error);
+  *out = json_is_true(value);
+  return STY_OK;
+}
+
+static StyStatus read_light(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
+  static const char *const directional[] = {"type", "direction", "intensity", "color", NULL};
+  static const char *const point[] = {"type", "position", "intensity", "color", NULL};
+  static const char *const types[] = {"directional", "point", NULL};
+  const StyDocument *document = &reading->document;
+  const double most = largest_value;
+  StyLight light = {.intensity = 1, .colour = {1, 1, 1}};
+  StyError cause = {STY_OK, ""};
+  int type = 0;
+  if (!json_is_object(value)) return sty_fail_value(document, path, value, "an object", error);
+  StyStatus status = sty_get_choice(document, path, value, "type", types, &type, error);
+  light.is_point = type == 1;
+  if (!status) status = sty_check_keys(document, path, value, light.is_point ? point : directional, error);
+  if (!status)
+    status = light.is_point ? require_key(document, path, value, "position", "where the light stands", error)
+                            : require_key(document, path, value, "direction", "the way the light shines", error);
+  if (!status) status = sty_get_numbers(document, path, value, "direction", -most, most, 3, light.direction, error);
+  if (!status) status = sty_get_numbers(document, path, value, "position", -most, most, 3, light.position, error);
+  if (!status) status = sty_get_number(document, path, value, "intensity", 0, most, &light.intensity, error);
+  if (!status) status = sty_get_numbers(document, path, value, "color", 0, 1e6, 3, light.colour, error);
+  if (status || !sty_add_light(reading->scene, &light, &cause)) return status;
+  return place_error(reading, path, value, &cause, error);
+}
+
+static StyStatus read_lighting(Reading *reading, StyError *error) {
+  const StyDocument *document = &reading->document;
+  StyScene *scene = reading->scene;
+  StyStatus status = read_list(reading, "lights", read_light, error);
+  if (scene->light_count) scene->ambient = default_ambient;
+  if (!status) status = sty_get_number(document, NULL, document->root, "ambient", 0, 1e6, &scene->ambient, error);
+  return status ? status : get_switch(document, "shadows", &scene->shadows, error);
+}
+
 /* ---- objects ------------------------------------------------------------------ */
 
 /* The number of a mesh, which is read unless an object before has named it. */
@@ -129,16 +197,18 @@ static StyStatus read_transform(const StyDocument *document, const StyPath *obje
                         "16 numbers, row by row, of which the last four are 0, 0, 0, 1", error);
 }
 
-/* A complaint of the scene's own, with the place in the file. */
-static StyStatus place_error(const Reading *reading, const StyPath *path, const json_t *value, const StyError *cause,
-                             StyError *error) {
-  const char *expected = strstr(cause->text, "expected ");
-  return sty_fail_value(&reading->document, path, value, expected ? expected + strlen("expected ") : cause->text,
-                        error);
+static StyStatus read_material(const StyDocument *document, const StyPath *path, const json_t *value, StyMaterial *out,
+                               StyError *error) {
+  *out = sty_white;
+  out->shininess = default_shininess;
+  StyStatus status = sty_get_numbers(document, path, value, "color", 0, 1, 3, out->colour, error);
+  if (!status) status = sty_get_number(document, path, value, "specular", 0, 1, &out->specular, error);
+  if (!status) status = sty_get_number(document, path, value, "shininess", 1, 10000, &out->shininess, error);
+  return status;
 }
 
 static StyStatus read_object(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
-  static const char *const known[] = {"mesh", "transform", "style", NULL};
+  static const char *const known[] = {"mesh", "transform", "style", "color", "specular", "shininess", NULL};
   const StyDocument *document = &reading->document;
   const char *name = NULL;
   StyObject object = {.style = 1};
@@ -146,6 +216,7 @@ static StyStatus read_object(Reading *reading, const StyPath *path, const json_t
   StyStatus status = sty_check_keys(document, path, value, known, error);
   if (!status) status = sty_get_string(document, path, value, "mesh", 1, &name, error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &object.style, error);
+  if (!status) status = read_material(document, path, value, &object.material, error);
   if (!status) status = read_transform(document, path, value, object.transform, error);
   if (!status) status = find_mesh(reading, name, &object.mesh, error);
   if (status || !sty_add_object(reading->scene, &object, &cause)) return status;
@@ -153,7 +224,7 @@ static StyStatus read_object(Reading *reading, const StyPath *path, const json_t
 }
 
 static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
-  static const char *const known[] = {"center", "radius", "style", NULL};
+  static const char *const known[] = {"center", "radius", "style", "color", "specular", "shininess", NULL};
   const StyDocument *document = &reading->document;
   StySphere sphere = {.radius = 1, .style = 1};
   StyStatus status = sty_check_keys(document, path, value, known, error);
@@ -162,28 +233,14 @@ static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t
   if (!status)
     status = sty_get_number(document, path, value, "radius", 1 / largest_value, largest_value, &sphere.radius, error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &sphere.style, error);
+  if (!status) status = read_material(document, path, value, &sphere.material, error);
   return status ? status : sty_add_sphere(reading->scene, &sphere, error);
-}
-
-/* A list of the root's, object by object. */
-static StyStatus read_list(Reading *reading, const char *key,
-                           StyStatus (*read)(Reading *, const StyPath *, const json_t *, StyError *), StyError *error) {
-  const StyDocument *document = &reading->document;
-  const json_t *list = json_object_get(document->root, key);
-  const StyPath path = {NULL, key, 0};
-  if (!list) return STY_OK;
-  if (!json_is_array(list) || json_array_size(list) > STY_MOST_OBJECTS)
-    return sty_fail_value(document, &path, list, "a list of at most 65536 objects", error);
-  StyStatus status = STY_OK;
-  for (size_t i = 0; !status && i < json_array_size(list); i++)
-    status = read(reading, &(StyPath){&path, NULL, i}, json_array_get(list, i), error);
-  return status;
 }
 
 /* ---- the whole ---------------------------------------------------------------- */
 
 static StyStatus read_head(Reading *reading, StyViewpoint *viewpoint, StyError *error) {
-  static const char *const known[] = {"schema", "camera", "objects", "spheres", NULL};
+  static const char *const known[] = {"schema", "camera", "objects", "spheres", "lights", "ambient", "shadows", NULL};
   const StyDocument *document = &reading->document;
   const char *schema = NULL;
   StyStatus status = sty_check_keys(document, NULL, document->root, known, error);
@@ -203,6 +260,7 @@ static StyStatus read_all(Reading *reading, StyViewpoint *viewpoint, StyError *e
   if (!reading->names) return sty_fail_memory(error, reading->document.name, (double)objects * sizeof *reading->names);
   status = read_list(reading, "objects", read_object, error);
   if (!status) status = read_list(reading, "spheres", read_sphere, error);
+  if (!status) status = read_lighting(reading, error);
   if (status) return status;
   status = sty_finish_scene(reading->scene, error);
   return status ? sty_fail(error, status, "%s: %s", reading->document.name, error->text) : STY_OK;
