@@ -18,11 +18,12 @@ typedef struct Arguments {
   StyView view;
   StyMeshOptions mesh_options;
   bool flat;
+  int frame;               /* index of frames */
   const char *scene_only;  /* an option that means nothing for a sphere */
   const char *camera_only; /* one that means nothing where a scene file has the camera */
 } Arguments;
 
-enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS };
+enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS, KEY_FRAME };
 
 static const double default_fov = 35;
 
@@ -44,6 +45,10 @@ static const struct argp_option options_table[] = {
     {"crease", KEY_CREASE, "DEG", 0,
      "compute normals, smooth across edges up to DEG (default: the file's own, else 60)", 0},
     {"flat", KEY_FLAT, NULL, 0, "facet normals", 0},
+    {"frame", KEY_FRAME, "camera|ray", 0,
+     "what normals are relative to: the camera, or each pixel's view ray, so that flat surfaces vary under perspective "
+     "(default: camera)",
+     0},
     {0},
 };
 
@@ -54,7 +59,7 @@ static StyStatus set_number(Options *options, const char *what, const char *text
 
 static StyStatus set_option(Arguments *arguments, int key, const char *text) {
   static const char *const cameras[] = {"orthographic", "perspective", NULL};
-  static const char *const depths[] = {"8", "16", NULL};
+  static const char *const depths[] = {"8", "16", NULL}, *const frames[] = {"camera", "ray", NULL};
   Options *options = &arguments->options;
   int choice = 0;
   StyStatus status;
@@ -88,6 +93,9 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
     case KEY_CREASE:
       arguments->scene_only = "--crease";
       return set_number(options, "--crease", text, 0, 180, &arguments->mesh_options.crease_angle);
+    case KEY_FRAME:
+      arguments->scene_only = "--frame";
+      return sty_parse_choice("--frame", text, frames, &arguments->frame, &options->error);
     default:
       arguments->scene_only = "--flat";
       arguments->flat = true;
@@ -154,6 +162,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_FOV:
     case KEY_MARGIN:
     case KEY_CREASE:
+    case KEY_FRAME:
     case KEY_FLAT: return end_option(set_option(arguments, key, text));
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -201,7 +210,8 @@ static StyStatus render(Arguments *arguments, Account *account, StyImage **out) 
   account->read_ms = sty_get_milliseconds() - start;
   if (!status) status = sty_set_camera(scene, &viewpoint, arguments->width, arguments->height, &camera, error);
   if (!status) {
-    const StyTraceOptions trace = {arguments->width, arguments->height, arguments->groups, arguments->flat};
+    const StyTraceOptions trace = {arguments->width, arguments->height, arguments->groups, arguments->flat,
+                                   arguments->frame == 1};
     account->triangles = sty_count_scene_triangles(scene);
     const StyRun run = begin_progress(&arguments->options, "tracing");
     if (!arguments->options.dry_run)

@@ -12,7 +12,11 @@
  *                        reflectance times what reaches it, times the cosine, and the highlight;
  *                        white, faced by a light of intensity 1, is 1; miss 0
  * View space: +X right, +Y up, +Z toward the viewer. A shading normal that
- * would face away from its view ray is bent to the horizon. */
+ * would face away from its view ray is bent to the horizon.
+ * In the ray frame, +Z is the way back along the pixel's own view ray, +X is the camera's right
+ * made perpendicular to that, and +Y their cross product: a flat surface under perspective then
+ * varies from pixel to pixel, where view space gives it one normal (the known fault of matcaps).
+ * Orthographic, both frames are the same. */
 #ifndef STYLUT_GUIDE_H
 #define STYLUT_GUIDE_H
 
@@ -48,7 +52,8 @@ StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage
 typedef struct StyTraceOptions {
   int width, height;
   unsigned groups;
-  bool flat; /* facet normals instead of shading normals */
+  bool flat;      /* facet normals instead of shading normals */
+  bool ray_frame; /* normals relative to the view ray, see below */
 } StyTraceOptions;
 
 typedef struct StyTraceTimes {

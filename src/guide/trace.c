@@ -359,6 +359,21 @@ static void bend_to_horizon(const double direction[3], double normal[3]) {
   normalize_vector(normal);
 }
 
+/* What normals are told in. */
+static void get_frame(const Render *render, const Ray *ray, double right[3], double up[3], double back[3]) {
+  const StyCamera *camera = render->camera;
+  memcpy(right, camera->right, 3 * sizeof *right);
+  memcpy(up, camera->up, 3 * sizeof *up);
+  memcpy(back, camera->back, 3 * sizeof *back);
+  if (!render->options->ray_frame || !camera->perspective) return;
+  for (int k = 0; k < 3; k++) back[k] = -ray->direction[k];
+  normalize_vector(back);
+  const double along = dot_vectors(right, back);
+  for (int k = 0; k < 3; k++) right[k] -= along * back[k];
+  normalize_vector(right);
+  cross_vectors(back, right, up);
+}
+
 static void shade_normal(const Render *render, const Hit *hit, const Ray *ray, double out[3]) {
   double normal[3];
   if (render->options->flat) {
@@ -368,9 +383,11 @@ static void shade_normal(const Render *render, const Hit *hit, const Ray *ray, d
     memcpy(normal, hit->shading, sizeof normal);
     bend_to_horizon(ray->direction, normal);
   }
-  out[0] = dot_vectors(normal, render->camera->right);
-  out[1] = dot_vectors(normal, render->camera->up);
-  out[2] = dot_vectors(normal, render->camera->back);
+  double right[3], up[3], back[3];
+  get_frame(render, ray, right, up, back);
+  out[0] = dot_vectors(normal, right);
+  out[1] = dot_vectors(normal, up);
+  out[2] = dot_vectors(normal, back);
 }
 
 static void shade_place(const Render *render, const Hit *hit, StySample *sample) {

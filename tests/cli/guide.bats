@@ -3,7 +3,7 @@
 load helpers
 
 # Every pixel of a sphere guide of WxH, by the formula, in the order of dump.
-sphere_channels=A,normal.X,normal.Y,normal.Z,depth.Z,position.X,position.Y,position.Z,object.I,style.I
+sphere_channels=A,normal.X,normal.Y,normal.Z,depth.Z,position.X,position.Y,position.Z,object.I,style.I,albedo.R,albedo.G,albedo.B,luma.Y
 check_sphere() { # FILE WIDTH HEIGHT
   dump "$1" $sphere_channels >pixels.txt
   expect "pixels of $1" "$(wc -l <pixels.txt)" $(($2 * $3))
@@ -13,8 +13,10 @@ check_sphere() { # FILE WIDTH HEIGHT
       x = ($1 + 0.5) / w * 2 - 1; y = 1 - ($2 + 0.5) / h * 2; r = x * x + y * y
       z = r <= 1 ? sqrt(1 - r) : 0
       if (r <= 1) ok = $3 == 1 && near($4, x) && near($5, y) && near($6, z) && near($7, 1 - z) &&
-                       near($8, x) && near($9, y) && near($10, z) && $11 == 1 && $12 == 1
-      else ok = $3 == 0 && $4 == 0 && $5 == 0 && $6 == 0 && $7 == "inf" && $8 == 0 && $9 == 0 && $10 == 0 && $11 == 0 && $12 == 0
+                       near($8, x) && near($9, y) && near($10, z) && $11 == 1 && $12 == 1 &&
+                       $13 == 1 && $14 == 1 && $15 == 1 && $16 == 1
+      else ok = $3 == 0 && $4 == 0 && $5 == 0 && $6 == 0 && $7 == "inf" && $8 == 0 && $9 == 0 && $10 == 0 && $11 == 0 && $12 == 0 &&
+                $13 == 0 && $14 == 0 && $15 == 0 && $16 == 0
       if (!ok) { print "at " $0; exit 1 }
     }' pixels.txt >wrong.txt || complain "$1 of $2x$3: $(cat wrong.txt)"
 }

@@ -9,15 +9,15 @@
 
 #include "stylut/guide.h"
 
-static const unsigned ALL =
-    STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT | STY_GUIDE_STYLE;
+static const unsigned ALL = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT |
+                            STY_GUIDE_STYLE | STY_GUIDE_ALBEDO | STY_GUIDE_LUMA;
 
 static void test_values(void **state) {
   (void)state;
   enum { WIDTH = 37, HEIGHT = 20 };
   StyImage *guide = NULL;
   assert_int_equal(sty_make_sphere_guide(WIDTH, HEIGHT, ALL, &guide, NULL), STY_OK);
-  assert_int_equal(guide->channel_count, 10);
+  assert_int_equal(guide->channel_count, 14);
   assert_int_equal(guide->bits, 32);
   const float *coverage = sty_find_channel(guide, "A"), *depth = sty_find_channel(guide, "depth.Z");
   const float *nx = sty_find_channel(guide, "normal.X"), *ny = sty_find_channel(guide, "normal.Y"),

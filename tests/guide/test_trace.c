@@ -4,8 +4,8 @@
 #include "stylut/guide.h"
 #include "stylut/version.h"
 
-static const unsigned ALL =
-    STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT | STY_GUIDE_STYLE;
+static const unsigned ALL = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT |
+                            STY_GUIDE_STYLE | STY_GUIDE_ALBEDO | STY_GUIDE_LUMA;
 
 typedef struct Planes {
   const float *coverage, *normal[3], *depth, *position[3], *object;
@@ -28,7 +28,7 @@ static StyImage *trace(const StyScene *scene, const StyView *view, int width, in
   StyCamera camera;
   StyImage *guide = NULL;
   StyError error = {STY_OK, ""};
-  const StyTraceOptions options = {width, height, ALL, flat};
+  const StyTraceOptions options = {width, height, ALL, flat, false};
   const StyRun run = {.threads = threads};
   if (sty_fit_camera(scene, view, width, height, &camera, &error) != STY_OK ||
       sty_trace_guide(scene, &camera, &options, &run, NULL, &guide, &error) != STY_OK)
@@ -299,10 +299,11 @@ static void test_only_what_is_asked_for(void **state) {
   StyTraceTimes times = {-1, -1};
   for (unsigned groups = 0; groups <= ALL; groups++) {
     StyImage *guide = NULL;
-    const StyTraceOptions options = {33, 17, groups, false};
+    const StyTraceOptions options = {33, 17, groups, false, false};
     assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, &times, &guide, NULL), STY_OK);
     assert_int_equal(guide->channel_count, 1 + 3 * (groups & 1) + (groups >> 1 & 1) + 3 * (groups >> 2 & 1) +
-                                               (groups >> 3 & 1) + (groups >> 4));
+                                               (groups >> 3 & 1) + (groups >> 4 & 1) + 3 * (groups >> 5 & 1) +
+                                               (groups >> 6));
     assert_true(times.build_ms >= 0 && times.trace_ms >= 0);
     sty_destroy_image(&guide);
   }
@@ -314,7 +315,8 @@ static void test_bad_arguments(void **state) {
   StyCamera camera;
   StyImage *guide = NULL;
   assert_int_equal(sty_fit_camera(scene, &THREE_QUARTER, 8, 8, &camera, NULL), STY_OK);
-  const StyTraceOptions options = {8, 8, ALL, false}, empty = {0, 8, ALL, false}, unknown = {8, 8, 1u << 20, false};
+  const StyTraceOptions options = {8, 8, ALL, false, false}, empty = {0, 8, ALL, false, false},
+                        unknown = {8, 8, 1u << 20, false, false};
   assert_int_equal(sty_trace_guide(scene, &camera, &empty, NULL, NULL, &guide, NULL), STY_ERROR_INPUT);
   assert_int_equal(sty_trace_guide(scene, &camera, &unknown, NULL, NULL, &guide, NULL), STY_ERROR_USAGE);
   camera.eye[1] = NAN;

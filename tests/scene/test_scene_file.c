@@ -142,6 +142,15 @@ static void test_refused(void **state) {
       {HEAD "\"spheres\": [{\"radius\": -1}]}", {"spheres[0].radius"}},
       {HEAD "\"spheres\": [{\"centre\": [0, 0, 0]}]}", {"centre", "unknown key", "center"}},
       {HEAD "\"spheres\": [{\"center\": [0, 0]}]}", {"spheres[0].center", "a list of 2", "3 numbers"}},
+      {HEAD "\"spheres\": [{\"color\": [1, 2, 0]}]}", {"spheres[0].color[1]", "found 2", "0 to 1"}},
+      {HEAD "\"spheres\": [{\"shininess\": 0}]}", {"spheres[0].shininess", "1 to 10000"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"type\": \"spot\"}]}", {"lights[0].type", "spot", "directional"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"type\": \"point\"}]}", {"lights[0]", "position"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{}]}", {"lights[0]", "direction"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"direction\": [0, 0, 0]}]}", {"lights[0]", "isn't zero"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"direction\": [0, 0, 1], \"intensity\": -1}]}", {"intensity", "-1"}},
+      {HEAD "\"spheres\": [{}], \"shadows\": 1}", {"shadows", "true or false"}},
+      {HEAD "\"spheres\": [{}], \"ambient\": \"dim\"}", {"ambient", "dim"}},
       {HEAD "\"spheres\": [{}], \"camera\": 1}", {"camera", "an object"}},
       {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"fisheye\"}}", {"camera.type", "fisheye", "perspective"}},
       {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"perspective\"}}", {"position"}},
@@ -166,6 +175,29 @@ static void test_refused(void **state) {
   }
 }
 
+static void test_lights(void **state) {
+  StyViewpoint viewpoint;
+  StyScene *scene = read_good(*state,
+                              HEAD
+                              "\"spheres\": [{\"color\": [1, 0.5, 0], \"specular\": 0.25}, {}],\n"
+                              "\"lights\": [{\"direction\": [0, -1, 0]}, {\"type\": \"point\", \"position\": [1, 2, "
+                              "3], \"intensity\": 5, \"color\": [2, 0, 1]}], \"shadows\": false}",
+                              &viewpoint);
+  assert_int_equal(scene->light_count, 2);
+  assert_true(!scene->lights[0].is_point && scene->lights[0].intensity == 1 && scene->lights[0].direction[1] == -1);
+  assert_true(scene->lights[1].is_point && scene->lights[1].intensity == 5 && scene->lights[1].position[2] == 3);
+  assert_true(scene->lights[1].colour[0] == 2 && scene->ambient == 0.1 && !scene->shadows);
+  assert_true(scene->spheres[0].material.colour[1] == 0.5 && scene->spheres[0].material.specular == 0.25);
+  assert_true(scene->spheres[0].material.shininess == 32 && scene->spheres[1].material.colour[1] == 1);
+  sty_destroy_scene(&scene);
+  scene = read_good(*state, HEAD "\"spheres\": [{}], \"lights\": []}", &viewpoint);
+  assert_true(scene->ambient == 1 && scene->shadows); /* evenly lit */
+  sty_destroy_scene(&scene);
+  scene = read_good(*state, HEAD "\"spheres\": [{}], \"ambient\": 0.5}", &viewpoint);
+  assert_true(scene->ambient == 0.5);
+  sty_destroy_scene(&scene);
+}
+
 static void test_missing_mesh(void **state) {
   StyScene *scene = NULL;
   StyViewpoint viewpoint;
@@ -178,8 +210,8 @@ static void test_missing_mesh(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_whole),   cmocka_unit_test(test_defaults),     cmocka_unit_test(test_stands),
-      cmocka_unit_test(test_refused), cmocka_unit_test(test_missing_mesh),
+      cmocka_unit_test(test_whole),   cmocka_unit_test(test_defaults), cmocka_unit_test(test_stands),
+      cmocka_unit_test(test_refused), cmocka_unit_test(test_lights),   cmocka_unit_test(test_missing_mesh),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }
