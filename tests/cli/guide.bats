@@ -234,7 +234,7 @@ check_mirrored() { # OPTIONS
   dump left.exr $sphere_channels | sort -k2,2n -k1,1n >b.txt
   expect_less 'covered' 500 "$(awk '$3 == 1' a.txt | wc -l)"
   expect 'pixels' "$(wc -l <b.txt)" 3050
-  paste -d' ' a.txt b.txt | awk '{ for (k = 1; k <= 11; k++) { d = $k - $(k + 11); if ($k != $(k + 11) && (d > 1e-5 || d < -1e-5 || d != d)) { print; exit } } }' >wrong.txt
+  paste -d' ' a.txt b.txt | awk '{ for (k = 1; k <= 16; k++) { d = $k - $(k + 16); if ($k != $(k + 16) && (d > 1e-5 || d < -1e-5 || d != d)) { print; exit } } }' >wrong.txt
   expect "mirrored with $options" "$(cat wrong.txt)" ''
 }
 
