@@ -49,8 +49,9 @@ static bool is_in_disc(const float g[2]) { return g[0] * g[0] + g[1] * g[1] <= 1
 static double weigh_value(const Case *c, const float g[2]) {
   const bool sphere = c->options->weights == STY_WEIGHT_SPHERE, even = c->lut->spec.map == STY_MAP_EQUAL_AREA;
   if (sphere == even) return 1;
-  /* At the rim itself the density has no end; half a texel inside it has: z*z = 2/L - 1/L^2. */
-  const double least = sqrt(2.0 / c->lut->spec.width);
+  /* At the rim itself one density has no end and the other is 0; half a texel inside it neither is:
+   * there z is about sqrt(2/L) in xy, 2/L in equal-area. */
+  const double inside = 2.0 / c->lut->spec.width, least = even ? inside : sqrt(inside);
   const double z = fmax(sqrt(fmax(0, 1 - (double)g[0] * g[0] - (double)g[1] * g[1])), least);
   return sphere ? 1 / z : z;
 }
