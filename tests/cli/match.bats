@@ -272,7 +272,7 @@ engine [a-z-]+, exact; distance'
   done
   refuse 1 'found 2 (normal.X,normal.Y), expected three' lut creature.exr --channels normal.X,normal.Y -o out.exr
   refuse 1 'expected three' lut creature.exr --channels normal,depth -o out.exr
-  refuse 3 'creature.exr: found no channel luma.Y' lut creature.exr --channels normal.X,normal.Y,luma.Y -o out.exr
+  refuse 3 'creature.exr: found no channel glow.Y' lut creature.exr --channels normal.X,normal.Y,glow.Y -o out.exr
   refuse 1 grid "${cube[@]}" -e grid -s 4
   # size^3 and the bytes are said.
   refuse 1 'found 1024, 1073741824 texels (1024^3) that take 21474836480 bytes, expected at most --max-memory 1073741824' "${cube[@]}" -s 1024
