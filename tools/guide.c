@@ -25,8 +25,6 @@ typedef struct Arguments {
 
 enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS, KEY_FRAME };
 
-static const double default_fov = 35;
-
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
     {"channels", 'c', "LIST", 0,
@@ -135,7 +133,7 @@ static StyStatus check_arguments(Arguments *arguments) {
                     arguments->scene_only);
   if (arguments->view.fov > 0 && !arguments->view.perspective)
     return sty_fail(error, STY_ERROR_USAGE, "--fov: found with an orthographic camera, expected --camera perspective");
-  if (!(arguments->view.fov > 0)) arguments->view.fov = default_fov;
+  if (!(arguments->view.fov > 0)) arguments->view.fov = sty_default_view.fov;
   if (arguments->flat && arguments->mesh_options.crease_angle >= 0)
     return sty_fail(error, STY_ERROR_USAGE, "--flat: found with --crease, expected one of them");
   if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
@@ -287,7 +285,7 @@ StyStatus run_guide(int argc, char **argv) {
       .height = 512,
       .groups = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH,
       .bits = 8,
-      .view = {.margin = 0.05},
+      .view = {.margin = sty_default_view.margin},
       .mesh_options = {.crease_angle = -1},
   };
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);

@@ -53,7 +53,7 @@ typedef struct StyTraceOptions {
   int width, height;
   unsigned groups;
   bool flat;      /* facet normals instead of shading normals */
-  bool ray_frame; /* normals relative to the view ray, see below */
+  bool ray_frame; /* normals relative to the view ray, see above */
 } StyTraceOptions;
 
 typedef struct StyTraceTimes {

@@ -183,9 +183,10 @@ typedef struct StyEngine {
 extern const StyEngine sty_engines[];
 
 /* By name; "auto" takes the fastest exact one for flat tables. STY_ERROR_USAGE lists the names. */
+StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error);
+
 /* STY_ERROR_USAGE where an engine doesn't take values of so many dimensions; names those that do. */
 StyStatus sty_check_dims(const StyEngine *engine, int dims, StyError *error);
-StyStatus sty_find_engine(const char *what, const char *name, const StyEngine **out, StyError *error);
 
 /* The fastest exact engine of this build: for flat tables, which `grid` is made for,
  * or for cubes and fields (match.h) of so many dimensions. */

@@ -17,6 +17,9 @@
 extern "C" {
 #endif
 
+/* World coordinates lie within this: depth and position must fit a float, at the distance of a 1-degree camera, too. */
+#define STY_MAX_COORDINATE 1e30
+
 typedef struct StyMesh {
   size_t vertex_count;
   size_t triangle_count;

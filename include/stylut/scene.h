@@ -98,6 +98,9 @@ size_t sty_count_scene_triangles(const StyScene *scene);
 typedef enum StyUpAxis { STY_UP_Y, STY_UP_Z, STY_UP_X, STY_UP_MINUS_Y, STY_UP_MINUS_Z, STY_UP_MINUS_X } StyUpAxis;
 extern const char *const sty_up_axis_names[]; /* NULL-terminated, in the enum's order */
 
+/* The axis that is this unit vector of the world; false: none is. */
+bool sty_find_up_axis(const double up[3], StyUpAxis *out);
+
 /* Where the eye is, as people say it. */
 typedef struct StyView {
   double azimuth;   /* degrees about the up axis; 0 is the front, 90 its right */
@@ -107,6 +110,9 @@ typedef struct StyView {
   double margin;    /* empty border as a share of the picture's side, 0..0.45 */
   StyUpAxis up;
 } StyView;
+
+/* From the front, orthographic; its opening is for those that make it perspective. */
+extern const StyView sty_default_view;
 
 /* "front", "three-quarter" (35 degrees around, 20 up) or "AZ,EL" in degrees.
  * Sets azimuth and elevation only. STY_ERROR_USAGE; `what` names the option. */

@@ -69,7 +69,7 @@ static Placed place_object(const StyScene *scene, const StyObject *object) {
 
 static Ball place_sphere(const StyScene *scene, const StySphere *sphere) {
   Ball ball = {.radius = sphere->radius * scene->scale, .sphere = sphere};
-  for (int k = 0; k < 3; k++) ball.centre[k] = (sphere->centre[k] - scene->centre[k]) * scene->scale;
+  sty_get_trace_point(scene, sphere->centre, ball.centre);
   return ball;
 }
 
@@ -224,19 +224,23 @@ static Ray make_ray(const Render *render, int x, int y) {
   return ray;
 }
 
+static void set_ray(struct RTCRay8 *packet, int i, const double origin[3], const double direction[3], double far) {
+  packet->org_x[i] = (float)origin[0];
+  packet->org_y[i] = (float)origin[1];
+  packet->org_z[i] = (float)origin[2];
+  packet->dir_x[i] = (float)direction[0];
+  packet->dir_y[i] = (float)direction[1];
+  packet->dir_z[i] = (float)direction[2];
+  packet->tnear[i] = 0;
+  packet->tfar[i] = (float)far;
+  packet->time[i] = 0;
+  packet->mask[i] = ~0u;
+  packet->id[i] = 0;
+  packet->flags[i] = 0;
+}
+
 static void set_packet_ray(struct RTCRayHit8 *packet, int i, const Ray *ray) {
-  packet->ray.org_x[i] = (float)ray->origin[0];
-  packet->ray.org_y[i] = (float)ray->origin[1];
-  packet->ray.org_z[i] = (float)ray->origin[2];
-  packet->ray.dir_x[i] = (float)ray->direction[0];
-  packet->ray.dir_y[i] = (float)ray->direction[1];
-  packet->ray.dir_z[i] = (float)ray->direction[2];
-  packet->ray.tnear[i] = 0;
-  packet->ray.tfar[i] = INFINITY;
-  packet->ray.time[i] = 0;
-  packet->ray.mask[i] = ~0u;
-  packet->ray.id[i] = 0;
-  packet->ray.flags[i] = 0;
+  set_ray(&packet->ray, i, ray->origin, ray->direction, INFINITY);
   packet->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
   packet->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
 }
@@ -247,7 +251,7 @@ static void set_packet_ray(struct RTCRayHit8 *packet, int i, const Ray *ray) {
 typedef struct Hit {
   double at[3];      /* trace space */
   double facet[3];   /* normal of the surface itself, any length, on the viewer's side */
-  double shading[3]; /* the normal that light would see, unit length, on the same side */
+  double shading[3]; /* the normal that light would see, unit length, on the same side; for normals and luma */
   const StyMaterial *material;
   int style, object;
 } Hit;
@@ -298,7 +302,8 @@ static void interpolate_normal(const Placed *placed, const uint32_t *corners, co
     for (int k = 0; k < 3; k++) out[k] = -out[k];
 }
 
-static void hit_triangle(const Placed *placed, unsigned triangle, double u, double v, const Ray *ray, Hit *hit) {
+static void hit_triangle(const Render *render, const Placed *placed, unsigned triangle, double u, double v,
+                         const Ray *ray, Hit *hit) {
   const uint32_t *indices = &placed->mesh->indices[3 * (size_t)triangle];
   double corners[3][3], ab[3], ac[3], weights[3];
   for (int c = 0; c < 3; c++) get_corner(placed, &indices[c], corners[c]);
@@ -310,7 +315,8 @@ static void hit_triangle(const Placed *placed, unsigned triangle, double u, doub
   find_weights(ray, corners[0], ab, ac, u, v, weights);
   for (int k = 0; k < 3; k++)
     hit->at[k] = weights[0] * corners[0][k] + weights[1] * corners[1][k] + weights[2] * corners[2][k];
-  interpolate_normal(placed, indices, weights, hit->facet, hit->shading);
+  if (render->options->groups & (STY_GUIDE_NORMAL | STY_GUIDE_LUMA))
+    interpolate_normal(placed, indices, weights, hit->facet, hit->shading);
   hit->material = &placed->object->material;
   hit->style = placed->object->style;
   hit->object = placed->object->first_id + (int)placed->mesh->part_ids[triangle] - 1;
@@ -340,14 +346,16 @@ static void hit_sphere(const Ball *ball, const Ray *ray, Hit *hit) {
   hit->object = ball->sphere->id;
 }
 
-static void find_hit(const Tracer *tracer, const Ray *ray, const struct RTCRayHit8 *packet, int i, Hit *hit) {
+static void find_hit(const Render *render, const Ray *ray, const struct RTCRayHit8 *packet, int i, Hit *hit) {
   const unsigned instance = packet->hit.instID[0][i], geometry = packet->hit.geomID[i],
                  triangle = packet->hit.primID[i];
   const unsigned object = instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance;
+  const Tracer *tracer = render->tracer;
   if (object == (unsigned)tracer->model->object_count)
     hit_sphere(&tracer->balls[triangle], ray, hit);
   else
-    hit_triangle(&tracer->placed[object], triangle, (double)packet->hit.u[i], (double)packet->hit.v[i], ray, hit);
+    hit_triangle(render, &tracer->placed[object], triangle, (double)packet->hit.u[i], (double)packet->hit.v[i], ray,
+                 hit);
 }
 
 static void bend_to_horizon(const double direction[3], double normal[3]) {
@@ -419,9 +427,9 @@ static double get_luminance(const double colour[3]) {
 
 /* From a hit to the light: a unit vector, and the distance in trace units; false where they are in one place. */
 static bool aim_at_light(const StyScene *scene, const StyLight *light, const Hit *hit, double to[3], double *distance) {
-  for (int k = 0; k < 3; k++)
-    to[k] =
-        light->is_point ? (light->position[k] - scene->centre[k]) * scene->scale - hit->at[k] : -light->direction[k];
+  double from[3];
+  sty_get_trace_point(scene, light->position, from);
+  for (int k = 0; k < 3; k++) to[k] = light->is_point ? from[k] - hit->at[k] : -light->direction[k];
   *distance = light->is_point ? sqrt(dot_vectors(to, to)) : INFINITY;
   return normalize_vector(to);
 }
@@ -432,18 +440,7 @@ static void set_shadow_ray(struct RTCRay8 *packet, int i, const Hit *hit, const 
   /* Where only the interpolated normal faces the light, the facet is seen from behind by it. */
   const double side = dot_vectors(off, to) < 0 ? -SHADOW_START : SHADOW_START;
   for (int k = 0; k < 3; k++) start[k] = hit->at[k] + side * off[k];
-  packet->org_x[i] = (float)start[0];
-  packet->org_y[i] = (float)start[1];
-  packet->org_z[i] = (float)start[2];
-  packet->dir_x[i] = (float)to[0];
-  packet->dir_y[i] = (float)to[1];
-  packet->dir_z[i] = (float)to[2];
-  packet->tnear[i] = 0;
-  packet->tfar[i] = (float)distance;
-  packet->time[i] = 0;
-  packet->mask[i] = ~0u;
-  packet->id[i] = 0;
-  packet->flags[i] = 0;
+  set_ray(packet, i, start, to, distance);
 }
 
 /* Lambert and Blinn-Phong, of one light that is not hidden. */
@@ -519,7 +516,7 @@ static void trace_block(const Render *render, struct RTCIntersectContext *contex
   rtcIntersect8(block.valid, render->tracer->scene, context, &packet);
   for (int i = 0; i < BLOCK; i++) {
     if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) block.valid[i] = 0;
-    if (block.valid[i]) find_hit(render->tracer, &block.rays[i], &packet, i, &block.hits[i]);
+    if (block.valid[i]) find_hit(render, &block.rays[i], &packet, i, &block.hits[i]);
     block.luma[i] = 0;
   }
   if (render->options->groups & STY_GUIDE_LUMA) light_all(render, &block);

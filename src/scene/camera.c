@@ -20,6 +20,17 @@ static const double FRAMES[][3][3] = {
     [STY_UP_MINUS_Z] = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, [STY_UP_MINUS_X] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}},
 };
 
+bool sty_find_up_axis(const double up[3], StyUpAxis *out) {
+  for (size_t a = 0; a < sizeof FRAMES / sizeof *FRAMES; a++)
+    if (memcmp(FRAMES[a][1], up, sizeof FRAMES[a][1]) == 0) {
+      *out = (StyUpAxis)a;
+      return true;
+    }
+  return false;
+}
+
+const StyView sty_default_view = {.fov = 35, .margin = 0.05};
+
 static StyStatus parse_angles(const char *what, const char *text, double *azimuth, double *elevation, StyError *error) {
   const char *comma = strchr(text, ',');
   char first[32];
@@ -207,7 +218,7 @@ StyStatus sty_place_camera(const StyScene *scene, const StyStand *stand, int wid
   if (!(dot_vectors(camera.right, camera.right) > 1e-12) || !normalize_vector(camera.right))
     return sty_fail(error, STY_ERROR_INPUT, "camera: found an up that it looks along, expected another");
   cross_vectors(camera.back, camera.right, camera.up);
-  for (int k = 0; k < 3; k++) camera.eye[k] = (stand->position[k] - scene->centre[k]) * scene->scale;
+  sty_get_trace_point(scene, stand->position, camera.eye);
   camera.half_height = stand->perspective ? tan(stand->fov * (M_PI / 360)) : stand->height / 2 * scene->scale;
   camera.half_width = camera.half_height * width / height;
   if (!(camera.half_height > 0) || !isfinite(camera.half_width))

@@ -19,8 +19,6 @@
 #include "stylut/mesh.h"
 #include "stylut/version.h"
 
-/* Depth and position must fit a float, at the distance of a 1-degree camera too. */
-static const double LARGEST_COORDINATE = 1e30;
 static const double DEFAULT_CREASE_ANGLE = 60;
 enum { MAX_NODE_DEPTH = 256 };
 
@@ -300,12 +298,12 @@ static bool has_area(const double a[3], const double b[3], const double c[3]) {
 static StyStatus check_world(const Import *import, const Part *part, unsigned v, const double world[3],
                              StyError *error) {
   for (int k = 0; k < 3; k++)
-    if (!(fabs(world[k]) <= LARGEST_COORDINATE))
+    if (!(fabs(world[k]) <= STY_MAX_COORDINATE))
       return sty_fail(
           error, STY_ERROR_INPUT,
           "%s: vertex %u of mesh %u (counted from 1) lies at (%g, %g, %g), expected coordinates from %g to %g",
-          import->path, v + 1, part->mesh_number, world[0], world[1], world[2], -LARGEST_COORDINATE,
-          LARGEST_COORDINATE);
+          import->path, v + 1, part->mesh_number, world[0], world[1], world[2], -STY_MAX_COORDINATE,
+          STY_MAX_COORDINATE);
   return STY_OK;
 }
 

@@ -4,6 +4,11 @@
 
 #include "stylut/scene.h"
 
+/* A point of the world in trace space. */
+static inline void sty_get_trace_point(const StyScene *scene, const double world[3], double out[3]) {
+  for (int k = 0; k < 3; k++) out[k] = (world[k] - scene->centre[k]) * scene->scale;
+}
+
 /* From the trace space of an object's mesh to that of the scene. */
 void sty_get_object_matrix(const StyScene *scene, const StyObject *object, double out[3][4]);
 

@@ -6,9 +6,6 @@
 #include "scene/points.h"
 #include "scene/vector.h"
 
-/* Depth and position must fit a float, at the distance of a 1-degree camera too. */
-static const double LARGEST_COORDINATE = 1e30;
-
 const StyMaterial sty_white = {.colour = {1, 1, 1}, .shininess = 1};
 const double sty_identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
@@ -143,7 +140,7 @@ void sty_visit_points(const StyScene *scene, void (*visit)(void *context, const 
   }
   for (int s = 0; s < scene->sphere_count; s++) {
     double at[3];
-    for (int k = 0; k < 3; k++) at[k] = (scene->spheres[s].centre[k] - scene->centre[k]) * scene->scale;
+    sty_get_trace_point(scene, scene->spheres[s].centre, at);
     visit(context, at, scene->spheres[s].radius * scene->scale);
   }
 }
@@ -185,9 +182,9 @@ static void copy_space(StyScene *scene, const StyMesh *mesh) {
 static StyStatus set_trace_space(StyScene *scene, StyError *error) {
   double extent = 0;
   for (int k = 0; k < 3; k++) {
-    if (!(fabs(scene->minimum[k]) <= LARGEST_COORDINATE && fabs(scene->maximum[k]) <= LARGEST_COORDINATE))
+    if (!(fabs(scene->minimum[k]) <= STY_MAX_COORDINATE && fabs(scene->maximum[k]) <= STY_MAX_COORDINATE))
       return sty_fail(error, STY_ERROR_INPUT, "scene: found coordinates from %g to %g, expected them within %g",
-                      scene->minimum[k], scene->maximum[k], LARGEST_COORDINATE);
+                      scene->minimum[k], scene->maximum[k], STY_MAX_COORDINATE);
     scene->centre[k] = (scene->minimum[k] + scene->maximum[k]) / 2;
     extent = fmax(extent, scene->maximum[k] - scene->minimum[k]);
   }

@@ -9,8 +9,7 @@
 #include "stylut/json.h"
 
 static const char *const scene_schema = "stylut-scene/1";
-static const double largest_value = 1e30;
-static const double default_margin = 0.05, default_fov = 35, default_ambient = 0.1, default_shininess = 32;
+static const double default_ambient = 0.1, default_shininess = 32;
 
 /* What is read, and the meshes that were read for it. */
 typedef struct Reading {
@@ -56,20 +55,6 @@ static StyStatus read_list(Reading *reading, const char *key,
 
 /* ---- camera ------------------------------------------------------------------- */
 
-/* The axis that `up` points along; false: none. */
-static bool find_up_axis(const double up[3], StyUpAxis *out) {
-  static const double axes[][3] = {
-      [STY_UP_Y] = {0, 1, 0},        [STY_UP_Z] = {0, 0, 1},        [STY_UP_X] = {1, 0, 0},
-      [STY_UP_MINUS_Y] = {0, -1, 0}, [STY_UP_MINUS_Z] = {0, 0, -1}, [STY_UP_MINUS_X] = {-1, 0, 0},
-  };
-  for (size_t a = 0; a < sizeof axes / sizeof *axes; a++)
-    if (memcmp(axes[a], up, sizeof *axes) == 0) {
-      *out = (StyUpAxis)a;
-      return true;
-    }
-  return false;
-}
-
 static StyStatus read_fit(const StyDocument *document, const StyPath *path, const json_t *camera, const double up[3],
                           StyView *out, StyError *error) {
   static const char *const known[] = {"type", "view", "fov", "up", NULL};
@@ -77,12 +62,13 @@ static StyStatus read_fit(const StyDocument *document, const StyPath *path, cons
   StyError cause;
   StyStatus status = sty_check_keys(document, path, camera, known, error);
   if (!status) status = sty_get_string(document, path, camera, "view", 0, &view, error);
-  *out = (StyView){.perspective = json_object_get(camera, "fov"), .fov = default_fov, .margin = default_margin};
+  *out = sty_default_view;
+  out->perspective = json_object_get(camera, "fov");
   if (!status) status = sty_get_number(document, path, camera, "fov", 1, 170, &out->fov, error);
   if (!status && sty_parse_view("view", view, out, &cause))
     return sty_fail_value(document, &(StyPath){path, "view", 0}, json_object_get(camera, "view"),
                           "\"front\", \"three-quarter\" or \"AZIMUTH,ELEVATION\" in degrees", error);
-  if (!status && !find_up_axis(up, &out->up))
+  if (!status && !sty_find_up_axis(up, &out->up))
     return sty_fail_value(document, &(StyPath){path, "up", 0}, json_object_get(camera, "up"),
                           "an axis of the world, as [0, 0, 1], for a camera of type fit", error);
   return status;
@@ -92,8 +78,8 @@ static StyStatus read_stand(const StyDocument *document, const StyPath *path, co
                             StyError *error) {
   static const char *const perspective[] = {"type", "position", "target", "up", "fov", NULL};
   static const char *const orthographic[] = {"type", "position", "target", "up", "height", NULL};
-  const double most = largest_value;
-  out->fov = default_fov;
+  const double most = STY_MAX_COORDINATE;
+  out->fov = sty_default_view.fov;
   StyStatus status = sty_check_keys(document, path, camera, out->perspective ? perspective : orthographic, error);
   if (!status) status = require_key(document, path, camera, "position", "where the camera stands", error);
   if (!status) status = require_key(document, path, camera, "target", "what it looks at", error);
@@ -111,12 +97,13 @@ static StyStatus read_camera(const StyDocument *document, StyViewpoint *out, Sty
   const json_t *camera = json_object_get(document->root, "camera");
   const StyPath path = {NULL, "camera", 0};
   int type = 0;
-  *out = (StyViewpoint){.is_fit = true, .view = {.margin = default_margin}, .stand.up = {0, 1, 0}};
+  *out = (StyViewpoint){.is_fit = true, .view = sty_default_view, .stand.up = {0, 1, 0}};
   if (!camera) return STY_OK;
   if (!json_is_object(camera)) return sty_fail_value(document, &path, camera, "an object", error);
   StyStatus status = sty_get_choice(document, &path, camera, "type", types, &type, error);
   if (!status)
-    status = sty_get_numbers(document, &path, camera, "up", -largest_value, largest_value, 3, out->stand.up, error);
+    status = sty_get_numbers(document, &path, camera, "up", -STY_MAX_COORDINATE, STY_MAX_COORDINATE, 3, out->stand.up,
+                             error);
   if (status) return status;
   out->is_fit = type == 0;
   out->stand.perspective = type == 2;
@@ -139,7 +126,7 @@ static StyStatus read_light(Reading *reading, const StyPath *path, const json_t 
   static const char *const point[] = {"type", "position", "intensity", "color", NULL};
   static const char *const types[] = {"directional", "point", NULL};
   const StyDocument *document = &reading->document;
-  const double most = largest_value;
+  const double most = STY_MAX_COORDINATE;
   StyLight light = {.intensity = 1, .colour = {1, 1, 1}};
   StyError cause = {STY_OK, ""};
   int type = 0;
@@ -188,8 +175,8 @@ static StyStatus find_mesh(Reading *reading, const char *name, int *number, StyE
 static StyStatus read_transform(const StyDocument *document, const StyPath *object_path, const json_t *object,
                                 double out[3][4], StyError *error) {
   double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  const StyStatus status =
-      sty_get_numbers(document, object_path, object, "transform", -largest_value, largest_value, 16, m, error);
+  const StyStatus status = sty_get_numbers(document, object_path, object, "transform", -STY_MAX_COORDINATE,
+                                           STY_MAX_COORDINATE, 16, m, error);
   if (status) return status;
   memcpy(out, m, 12 * sizeof *m);
   if (m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1) return STY_OK;
@@ -229,9 +216,11 @@ static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t
   StySphere sphere = {.radius = 1, .style = 1};
   StyStatus status = sty_check_keys(document, path, value, known, error);
   if (!status)
-    status = sty_get_numbers(document, path, value, "center", -largest_value, largest_value, 3, sphere.centre, error);
+    status = sty_get_numbers(document, path, value, "center", -STY_MAX_COORDINATE, STY_MAX_COORDINATE, 3, sphere.centre,
+                             error);
   if (!status)
-    status = sty_get_number(document, path, value, "radius", 1 / largest_value, largest_value, &sphere.radius, error);
+    status = sty_get_number(document, path, value, "radius", 1 / STY_MAX_COORDINATE, STY_MAX_COORDINATE, &sphere.radius,
+                            error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &sphere.style, error);
   if (!status) status = read_material(document, path, value, &sphere.material, error);
   return status ? status : sty_add_sphere(reading->scene, &sphere, error);
