@@ -2,6 +2,7 @@
 #include "stylut/guide.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "commands.h"
 #include "options.h"
@@ -18,20 +19,37 @@ typedef struct Arguments {
   StyView view;
   StyMeshOptions mesh_options;
   bool flat;
-  int frame;               /* index of frames */
+  int frame;  /* index of frames */
+  int filter; /* index of filters */
+  StyContourWeights contour;
+  const char *contour_only; /* an option that means nothing without the channel contour */
+  const char *previous;
   const char *scene_only;  /* an option that means nothing for a sphere */
   const char *camera_only; /* one that means nothing where a scene file has the camera */
 } Arguments;
 
-enum { KEY_VIEW = 0x200, KEY_UP, KEY_CAMERA, KEY_FOV, KEY_MARGIN, KEY_CREASE, KEY_FLAT, KEY_BITS, KEY_FRAME };
+enum {
+  KEY_VIEW = 0x200,
+  KEY_UP,
+  KEY_CAMERA,
+  KEY_FOV,
+  KEY_MARGIN,
+  KEY_CREASE,
+  KEY_FLAT,
+  KEY_BITS,
+  KEY_FRAME,
+  KEY_FILTER,
+  KEY_CONTOUR_DEPTH,
+  KEY_CONTOUR_NORMAL,
+  KEY_PREVIOUS
+};
 
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
     {"channels", 'c', "LIST", 0,
-     "comma-separated: normal, depth, position, object, style, albedo, luma, or all (default: normal,depth); A, the "
-     "coverage, is "
-     "always "
-     "there",
+     "comma-separated: normal, depth, position, object, style, uv, albedo, luma, curvature, contour, motion, or all "
+     "but "
+     "motion: all (default: normal,depth); A, the coverage, is always there",
      0},
     {"bits", KEY_BITS, "8|16", 0, "precision of a PNG (default: 8)", 0},
     {NULL, 0, NULL, 0, "For scenes:", 0},
@@ -47,6 +65,12 @@ static const struct argp_option options_table[] = {
      "what normals are relative to: the camera, or each pixel's view ray, so that flat surfaces vary under perspective "
      "(default: camera)",
      0},
+    {"texture-filter", KEY_FILTER, "KIND", 0, "bilinear, or nearest: the texel that holds a place (default: bilinear)",
+     0},
+    {"contour-depth", KEY_CONTOUR_DEPTH, "W", 0, "weight of jumps in depth in the channel contour (default: 1)", 0},
+    {"contour-normal", KEY_CONTOUR_NORMAL, "W", 0, "weight of turning normals (default: 1)", 0},
+    {"previous", KEY_PREVIOUS, "MESH|SCENE.json", 0,
+     "the scene one frame before, with its own camera: adds the channel motion", 0},
     {0},
 };
 
@@ -57,7 +81,8 @@ static StyStatus set_number(Options *options, const char *what, const char *text
 
 static StyStatus set_option(Arguments *arguments, int key, const char *text) {
   static const char *const cameras[] = {"orthographic", "perspective", NULL};
-  static const char *const depths[] = {"8", "16", NULL}, *const frames[] = {"camera", "ray", NULL};
+  static const char *const depths[] = {"8", "16", NULL}, *const frames[] = {"camera", "ray", NULL},
+                           *const filters[] = {"bilinear", "nearest", NULL};
   Options *options = &arguments->options;
   int choice = 0;
   StyStatus status;
@@ -94,6 +119,19 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
     case KEY_FRAME:
       arguments->scene_only = "--frame";
       return sty_parse_choice("--frame", text, frames, &arguments->frame, &options->error);
+    case KEY_FILTER:
+      arguments->scene_only = "--texture-filter";
+      return sty_parse_choice("--texture-filter", text, filters, &arguments->filter, &options->error);
+    case KEY_CONTOUR_DEPTH:
+      arguments->scene_only = arguments->contour_only = "--contour-depth";
+      return set_number(options, "--contour-depth", text, 0, 1000, &arguments->contour.depth);
+    case KEY_CONTOUR_NORMAL:
+      arguments->scene_only = arguments->contour_only = "--contour-normal";
+      return set_number(options, "--contour-normal", text, 0, 1000, &arguments->contour.normal);
+    case KEY_PREVIOUS:
+      arguments->scene_only = "--previous";
+      arguments->previous = text;
+      return STY_OK;
     default:
       arguments->scene_only = "--flat";
       arguments->flat = true;
@@ -104,13 +142,29 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
 static StyStatus check_output(Arguments *arguments) {
   StyImageFormat format = STY_IMAGE_EXR;
   StyStatus status = require_output(&arguments->options);
-  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, &arguments->mesh, 1);
+  const char *const inputs[] = {arguments->mesh, arguments->previous};
+  if (!status) status = protect_inputs(&arguments->options, arguments->options.output, inputs, 2);
   if (!status) status = sty_get_image_format(arguments->options.output, &format, &arguments->options.error);
   if (!status && format == STY_IMAGE_PNG && !(arguments->groups & STY_GUIDE_NORMAL))
     status = sty_fail(&arguments->options.error, STY_ERROR_USAGE,
                       "option '--channels': found no normal, expected it for %s, which holds normals only",
                       arguments->options.output);
   return status;
+}
+
+/* Options that only some channels heed, and a channel that needs an option. */
+static StyStatus check_channels(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  if (arguments->previous) arguments->groups |= STY_GUIDE_MOTION;
+  if (arguments->groups & STY_GUIDE_MOTION && !arguments->previous)
+    return sty_fail(error, STY_ERROR_USAGE, "--channels: found motion without --previous, expected the scene before");
+  if (arguments->contour_only && !(arguments->groups & STY_GUIDE_CONTOUR))
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found without the channel contour, expected it in --channels",
+                    arguments->contour_only);
+  if (arguments->filter && !(arguments->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA)))
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--texture-filter: found without the channels albedo and luma, expected one in --channels");
+  return STY_OK;
 }
 
 static StyStatus check_arguments(Arguments *arguments) {
@@ -139,7 +193,8 @@ static StyStatus check_arguments(Arguments *arguments) {
   if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
     return sty_fail(error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", arguments->width,
                     arguments->height, STY_MAX_PIXELS);
-  return check_output(arguments);
+  const StyStatus checked = check_channels(arguments);
+  return checked ? checked : check_output(arguments);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -161,6 +216,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_MARGIN:
     case KEY_CREASE:
     case KEY_FRAME:
+    case KEY_FILTER:
+    case KEY_CONTOUR_DEPTH:
+    case KEY_CONTOUR_NORMAL:
+    case KEY_PREVIOUS:
     case KEY_FLAT: return end_option(set_option(arguments, key, text));
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -179,103 +238,181 @@ static const struct argp parser = {
     .children = children,
 };
 
-/* What was done, for the report. */
-typedef struct Account {
-  size_t triangles, covered;
-  double read_ms, write_ms;
-  StyTraceTimes trace;
-} Account;
+/* A scene, and from where it is seen. */
+typedef struct Shot {
+  StyScene *scene;
+  StyCamera camera;
+} Shot;
 
 /* A scene file, or a mesh that stands alone. */
-static StyStatus read_scene(const Arguments *arguments, StyScene **scene, StyViewpoint *viewpoint, StyError *error) {
-  if (sty_is_scene_file(arguments->mesh))
-    return sty_read_scene(arguments->mesh, &arguments->mesh_options, scene, viewpoint, error);
+static StyStatus read_scene(const Arguments *arguments, const char *path, StyScene **scene, StyViewpoint *viewpoint,
+                            StyError *error) {
+  if (sty_is_scene_file(path)) return sty_read_scene(path, &arguments->mesh_options, scene, viewpoint, error);
   StyMesh *mesh = NULL;
   *viewpoint = (StyViewpoint){.is_fit = true, .view = arguments->view};
-  const StyStatus status = sty_read_mesh(arguments->mesh, &arguments->mesh_options, &mesh, error);
+  const StyStatus status = sty_read_mesh(path, &arguments->mesh_options, &mesh, error);
   return status ? status : sty_wrap_mesh(&mesh, scene, error);
 }
 
-static StyStatus render(Arguments *arguments, Account *account, StyImage **out) {
-  StyError *error = &arguments->options.error;
-  if (!arguments->mesh)
-    return sty_make_sphere_guide(arguments->width, arguments->height, arguments->groups, out, error);
-  StyScene *scene = NULL;
+static StyStatus open_shot(const Arguments *arguments, const char *path, Shot *out, StyError *error) {
   StyViewpoint viewpoint;
-  StyCamera camera;
-  const double start = sty_get_milliseconds();
-  StyStatus status = read_scene(arguments, &scene, &viewpoint, error);
-  account->read_ms = sty_get_milliseconds() - start;
-  if (!status) status = sty_set_camera(scene, &viewpoint, arguments->width, arguments->height, &camera, error);
-  if (!status) {
-    const StyTraceOptions trace = {arguments->width, arguments->height, arguments->groups, arguments->flat,
-                                   arguments->frame == 1};
-    account->triangles = sty_count_scene_triangles(scene);
-    const StyRun run = begin_progress(&arguments->options, "tracing");
-    if (!arguments->options.dry_run)
-      status = sty_trace_guide(scene, &camera, &trace, &run, &account->trace, out, error);
-    end_progress(&arguments->options);
-  }
-  sty_destroy_scene(&scene);
-  return status;
-}
-
-static StyStatus write_guide(Arguments *arguments, StyImage *guide) {
-  Options *options = &arguments->options;
-  StyImageFormat format = STY_IMAGE_EXR;
-  StyStatus status = sty_get_image_format(options->output, &format, &options->error);
-  const bool png = format == STY_IMAGE_PNG;
-  StyImage *encoded = NULL;
-  if (!status && png) status = sty_encode_normals(guide, arguments->bits, &encoded, &options->error);
-  StyImage *image = png ? encoded : guide;
+  Shot shot = {0};
+  StyStatus status = read_scene(arguments, path, &shot.scene, &viewpoint, error);
   if (!status)
-    status = add_history(options, "guide", image, &arguments->mesh, arguments->mesh ? 1 : 0, &options->error);
-  if (!status) status = sty_write_image(options->output, image, &options->error);
-  sty_destroy_image(&encoded);
+    status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
+  if (status)
+    sty_destroy_scene(&shot.scene);
+  else
+    *out = shot;
   return status;
 }
 
-static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
-  static const char *const stages[] = {"read", "build", "trace", "write"};
-  const double times[] = {account->read_ms, account->trace.build_ms, account->trace.trace_ms, account->write_ms};
-  const double pixels = (double)arguments->width * arguments->height;
-  const double rate = account->trace.trace_ms > 0 ? pixels / account->trace.trace_ms / 1e3 : 0;
-  if (!account->covered)
-    warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
-         clean_text(arguments->options.output));
-  if (arguments->options.json)
-    return print_json(json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size",
-                                arguments->width, arguments->height, "covered", (json_int_t)account->covered,
-                                "triangles", (json_int_t)account->triangles, "time_ms", pack_times(stages, times, 4),
-                                "mrays_per_s", rate, "peak_bytes", get_peak_bytes()),
-                      error);
-  if (arguments->options.quiet) return STY_OK;
-  printf("%s: %dx%d, %.1f %% covered\n", clean_text(arguments->options.output), arguments->width, arguments->height,
-         100.0 * (double)account->covered / pixels);
-  if (arguments->mesh)
-    printf("%zu triangles; read %.0f ms, build %.0f ms, trace %.0f ms (%.1f million rays/s), write %.0f ms\n",
-           account->triangles, times[0], times[1], times[2], rate, times[3]);
+/* The guide on its way into the file, and what was done, for the report. */
+typedef struct Work {
+  Arguments *arguments;
+  Shot shot, previous;
+  StyImageWriter *writer; /* from the first rows on */
+  size_t triangles, covered;
+  double read_ms, write_ms;
+  StyTraceTimes trace;
+} Work;
+
+/* Every file that the picture comes from: the scenes, and what they name. */
+static StyStatus list_inputs(const Work *work, const char ***out, int *count, StyError *error) {
+  const Arguments *arguments = work->arguments;
+  const Shot *shots[] = {&work->shot, &work->previous};
+  const char *const files[] = {arguments->mesh, arguments->previous};
+  size_t most = 2;
+  for (int s = 0; s < 2; s++)
+    if (shots[s]->scene) most += (size_t)shots[s]->scene->mesh_count + (size_t)shots[s]->scene->texture_count;
+  const char **inputs = malloc(most * sizeof *inputs);
+  if (!inputs) return sty_fail_memory(error, "inputs", (double)(most * sizeof *inputs));
+  *count = 0;
+  for (int s = 0; s < 2; s++) {
+    const StyScene *scene = shots[s]->scene;
+    if (files[s]) inputs[(*count)++] = files[s];
+    if (!scene || !sty_is_scene_file(files[s])) continue;
+    for (int m = 0; m < scene->mesh_count; m++) inputs[(*count)++] = scene->meshes[m]->path;
+  }
+  const bool coloured = arguments->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA);
+  for (int t = 0; coloured && work->shot.scene && t < work->shot.scene->texture_count; t++)
+    inputs[(*count)++] = work->shot.scene->textures[t];
+  *out = inputs;
   return STY_OK;
 }
 
-static StyStatus run(Arguments *arguments) {
-  Account account = {0};
+static StyStatus open_writer(Work *work, StyImage *like, StyError *error) {
+  Options *options = &work->arguments->options;
+  const char **inputs = NULL;
+  int count = 0;
+  StyStatus status = list_inputs(work, &inputs, &count, error);
+  if (!status) status = add_history(options, "guide", like, inputs, count, error);
+  free(inputs);
+  return status ? status : sty_open_image_writer(options->output, like, work->arguments->height, &work->writer, error);
+}
+
+/* The next rows of the guide, from the top: as they are, or as a picture of normals. */
+static StyStatus take_rows(void *context, StyImage *rows, StyError *error) {
+  Work *work = context;
+  const Arguments *arguments = work->arguments;
+  const double start = sty_get_milliseconds();
+  const float *covered = sty_find_channel(rows, "A");
+  for (size_t i = 0; i < sty_count_pixels(rows); i++) work->covered += covered[i] > 0;
+  StyImageFormat format = STY_IMAGE_EXR;
+  StyImage *encoded = NULL;
+  StyStatus status = sty_get_image_format(arguments->options.output, &format, error);
+  if (!status && format == STY_IMAGE_PNG) status = sty_encode_normals(rows, arguments->bits, &encoded, error);
+  StyImage *image = encoded ? encoded : rows;
+  if (!status && !work->writer) status = open_writer(work, image, error);
+  if (!status) status = sty_write_rows(work->writer, image, error);
+  sty_destroy_image(&encoded);
+  work->write_ms += sty_get_milliseconds() - start;
+  return status;
+}
+
+static StyStatus trace_scene(Work *work, StyError *error) {
+  const Arguments *arguments = work->arguments;
+  const StyTraceOptions trace = {.width = arguments->width,
+                                 .height = arguments->height,
+                                 .groups = arguments->groups,
+                                 .flat = arguments->flat,
+                                 .ray_frame = arguments->frame == 1,
+                                 .nearest_texels = arguments->filter == 1,
+                                 .contour = arguments->contour,
+                                 .previous = {work->previous.scene, &work->previous.camera}};
+  const StyRun run = begin_progress(&arguments->options, "tracing");
+  const StyStatus status = sty_trace_rows(work->shot.scene, &work->shot.camera, &trace, &run,
+                                          &(StyRowSink){take_rows, work}, &work->trace, error);
+  end_progress(&arguments->options);
+  return status;
+}
+
+static StyStatus open_shots(Work *work, StyError *error) {
+  const Arguments *arguments = work->arguments;
+  const double start = sty_get_milliseconds();
+  StyStatus status = open_shot(arguments, arguments->mesh, &work->shot, error);
+  if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &work->previous, error);
+  if (!status) work->triangles = sty_count_scene_triangles(work->shot.scene);
+  work->read_ms = sty_get_milliseconds() - start;
+  return status;
+}
+
+static StyStatus draw_sphere(Work *work, StyError *error) {
+  const Arguments *arguments = work->arguments;
   StyImage *guide = NULL;
-  StyStatus status = render(arguments, &account, &guide);
-  if (!status && arguments->options.dry_run) {
-    sty_destroy_image(&guide);
-    return report_dry_run(&arguments->options, "%dx%d pixels, %zu triangles", arguments->width, arguments->height,
-                          account.triangles);
-  }
-  if (!status) {
-    const float *covered = sty_find_channel(guide, "A");
-    for (size_t i = 0; i < sty_count_pixels(guide); i++) account.covered += covered[i] > 0;
-    const double start = sty_get_milliseconds();
-    status = write_guide(arguments, guide);
-    account.write_ms = sty_get_milliseconds() - start;
-  }
+  StyStatus status = sty_make_sphere_guide(arguments->width, arguments->height, arguments->groups, &guide, error);
+  if (!status) status = take_rows(work, guide, error);
   sty_destroy_image(&guide);
-  if (!status) status = print_report(arguments, &account, &arguments->options.error);
+  return status;
+}
+
+static StyStatus print_report(const Work *work, StyError *error) {
+  static const char *const stages[] = {"read", "build", "first", "trace", "write"};
+  const Arguments *arguments = work->arguments;
+  const double times[] = {work->read_ms, work->trace.build_ms, work->trace.first_ms, work->trace.trace_ms,
+                          work->write_ms};
+  const double pixels = (double)arguments->width * arguments->height;
+  const double rate = work->trace.trace_ms > 0 ? pixels / work->trace.trace_ms / 1e3 : 0;
+  if (!work->covered)
+    warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
+         clean_text(arguments->options.output));
+  if (arguments->options.json)
+    return print_json(
+        json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size", arguments->width,
+                  arguments->height, "covered", (json_int_t)work->covered, "triangles", (json_int_t)work->triangles,
+                  "time_ms", pack_times(stages, times, 5), "mrays_per_s", rate, "peak_bytes", get_peak_bytes()),
+        error);
+  if (arguments->options.quiet) return STY_OK;
+  printf("%s: %dx%d, %.1f %% covered\n", clean_text(arguments->options.output), arguments->width, arguments->height,
+         100.0 * (double)work->covered / pixels);
+  if (arguments->mesh)
+    printf(
+        "%zu triangles; read %.0f ms, tree %.0f ms, first pixels %.0f ms, all %.0f ms (%.1f million rays/s), of which "
+        "writing, alongside, took %.0f ms\n",
+        work->triangles, times[0], times[1], times[2], times[3], rate, times[4]);
+  return STY_OK;
+}
+
+static StyStatus render(Work *work, StyError *error) {
+  Arguments *arguments = work->arguments;
+  StyStatus status = arguments->mesh ? open_shots(work, error) : STY_OK;
+  if (status) return status;
+  if (arguments->options.dry_run)
+    return report_dry_run(&arguments->options, "%dx%d pixels, %zu triangles", arguments->width, arguments->height,
+                          work->triangles);
+  status = arguments->mesh ? trace_scene(work, error) : draw_sphere(work, error);
+  const double start = sty_get_milliseconds();
+  if (!status) status = sty_close_image_writer(&work->writer, error);
+  work->write_ms += sty_get_milliseconds() - start;
+  return status ? status : print_report(work, error);
+}
+
+static StyStatus run(Arguments *arguments) {
+  Work work = {.arguments = arguments};
+  const StyStatus status = render(&work, &arguments->options.error);
+  sty_discard_image_writer(&work.writer);
+  sty_destroy_scene(&work.shot.scene);
+  sty_destroy_scene(&work.previous.scene);
   return status;
 }
 
@@ -287,6 +424,7 @@ StyStatus run_guide(int argc, char **argv) {
       .bits = 8,
       .view = {.margin = sty_default_view.margin},
       .mesh_options = {.crease_angle = -1},
+      .contour = sty_default_contour,
   };
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);

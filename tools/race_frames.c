@@ -87,7 +87,7 @@ static StyStatus open_tracing(Tracing *out, StyError *error) {
 }
 
 static StyStatus trace(const Tracing *tracing, unsigned groups, int threads, StyImage **out, StyError *error) {
-  const StyTraceOptions options = {WIDTH, HEIGHT, groups, false, false};
+  const StyTraceOptions options = {.width = WIDTH, .height = HEIGHT, .groups = groups, .contour = sty_default_contour};
   const StyRun run = {.threads = threads};
   return sty_trace_guide(tracing->scene, &tracing->camera, &options, &run, NULL, out, error);
 }

@@ -7,10 +7,16 @@
  *   position.X .Y .Z     world position; miss 0
  *   object.I             id of the part, 1 and up; miss 0
  *   style.I              id of the style that the scene gives it, 0 = none; miss 0
- *   albedo.R .G .B       scene-linear diffuse reflectance; miss 0
+ *   uv.U .V              texture coordinates, V up, as the mesh's file has them; miss 0
+ *   albedo.R .G .B       scene-linear diffuse reflectance, colour times texture; miss 0
  *   luma.Y               scene-linear luminance of the lit surface (Rec. 709 weights): its
  *                        reflectance times what reaches it, times the cosine, and the highlight;
  *                        white, faced by a light of intensity 1, is 1; miss 0
+ *   curvature.Y          mean curvature of the surface that the shading normals tell, per scene unit,
+ *                        positive where it bulges toward the viewer: 1/r on a sphere of radius r; miss 0
+ *   contour.Y            strength of the outline, 0..1, see StyContourWeights; miss 0
+ *   motion.U .V          pixels from this frame to where the same point was in the previous one, +U
+ *                        right, +V down; 0 where that lies behind the camera; miss 0
  * View space: +X right, +Y up, +Z toward the viewer. A shading normal that
  * would face away from its view ray is bent to the horizon.
  * In the ray frame, +Z is the way back along the pixel's own view ray, +X is the camera's right
@@ -37,6 +43,10 @@ typedef enum StyChannelGroup {
   STY_GUIDE_STYLE = 1 << 4,
   STY_GUIDE_ALBEDO = 1 << 5,
   STY_GUIDE_LUMA = 1 << 6,
+  STY_GUIDE_UV = 1 << 7,
+  STY_GUIDE_CURVATURE = 1 << 8,
+  STY_GUIDE_CONTOUR = 1 << 9,
+  STY_GUIDE_MOTION = 1 << 10, /* needs a previous frame, so that "all" doesn't hold it */
 } StyChannelGroup;
 
 /* "normal,depth,..." or "all" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */
@@ -49,21 +59,56 @@ StyStatus sty_parse_channels(const char *what, const char *text, unsigned *group
  * object 1. */
 StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error);
 
+/* What makes an outline (thesis of the Unreal plugin, seed 000, 3.4.2: the weighted sum of what depth and normals do
+ * beside a pixel). Depth: by how much the pixel leaves the line between its neighbours, left and right or above and
+ * below, whichever is more; STY_CONTOUR_SPAN pixels' width counts as 1, so that slanted planes count as 0 and
+ * silhouettes as 1. Normals: one minus the cosine to that of a neighbour, whichever of the four is most. */
+typedef struct StyContourWeights {
+  double depth, normal; /* 0..1000 */
+} StyContourWeights;
+
+#define STY_CONTOUR_SPAN 16
+extern const StyContourWeights sty_default_contour; /* 1, 1 */
+
+/* Of a scene one frame before: it must be alike (sty_check_alike). */
+typedef struct StyPrevious {
+  const StyScene *scene;
+  const StyCamera *camera;
+} StyPrevious;
+
 typedef struct StyTraceOptions {
   int width, height;
   unsigned groups;
-  bool flat;      /* facet normals instead of shading normals */
-  bool ray_frame; /* normals relative to the view ray, see above */
+  bool flat;                 /* facet normals instead of shading normals */
+  bool ray_frame;            /* normals relative to the view ray, see above */
+  bool nearest_texels;       /* textures are looked up without interpolation */
+  StyContourWeights contour; /* for STY_GUIDE_CONTOUR */
+  StyPrevious previous;      /* for STY_GUIDE_MOTION */
 } StyTraceOptions;
 
 typedef struct StyTraceTimes {
   double build_ms; /* acceleration structure */
+  double first_ms; /* from the end of that to the first band of pixels */
   double trace_ms; /* rays and shading */
 } StyTraceTimes;
 
-/* Casts one ray per pixel with Embree, in tiles on all threads of `run`; the
- * result does not depend on their number. `times` may be NULL.
- * Depth of a fitted orthographic camera counts from the eye's plane. */
+/* Takes the next rows of a guide, from the top: a guide of its own, as high as the rows are, which it may change but
+ * does not own. */
+typedef struct StyRowSink {
+  StyStatus (*take)(void *context, StyImage *rows, StyError *error);
+  void *context;
+} StyRowSink;
+
+/* Casts one ray per pixel with Embree, in tiles on all threads of `run`, band by band; the result does not depend on
+ * their number. While a band is traced, a thread of its own hands the one before to the sink, so that no more than two
+ * bands are held. `times` may be NULL.
+ * Depth of a fitted orthographic camera counts from the eye's plane.
+ * Errors: those of the sink; STY_ERROR_USAGE (channels that lack what they need), STY_ERROR_INPUT (scenes that aren't
+ * alike, textures), STY_ERROR_LIBRARY. */
+StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
+                         const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error);
+
+/* The same as one image, which the caller owns. */
 StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                           const StyRun *run, StyTraceTimes *times, StyImage **out, StyError *error);
 

@@ -39,6 +39,23 @@ StyStatus sty_write_image(const char *path, const StyImage *image, StyError *err
  * together: sty_commit_output makes this one appear, sty_discard_output doesn't. */
 StyStatus sty_prepare_image(const char *path, const StyImage *image, StyOutput *out, StyError *error);
 
+/* A picture that is written as it comes, row by row from the top. */
+typedef struct StyImageWriter StyImageWriter;
+
+/* Begins the picture `path` of `height` rows; width, channels, bits and attributes are those of `like`, whose own
+ * height and values don't matter. The caller closes or discards it. Errors: those of sty_write_image. */
+StyStatus sty_open_image_writer(const char *path, const StyImage *like, int height, StyImageWriter **out,
+                                StyError *error);
+
+/* Appends all rows of `rows`, which has the writer's width and channels. From one thread at a time. */
+StyStatus sty_write_rows(StyImageWriter *writer, const StyImage *rows, StyError *error);
+
+/* Makes the picture appear; STY_ERROR_USAGE unless all its rows were written. Either way *writer is spent. */
+StyStatus sty_close_image_writer(StyImageWriter **writer, StyError *error);
+
+/* Leaves nothing behind; does nothing for NULL. */
+void sty_discard_image_writer(StyImageWriter **writer);
+
 #ifdef __cplusplus
 }
 #endif

@@ -20,14 +20,25 @@ extern "C" {
 /* World coordinates lie within this: depth and position must fit a float, at the distance of a 1-degree camera, too. */
 #define STY_MAX_COORDINATE 1e30
 
+/* The colour of a surface, scene-linear. */
+typedef struct StyPaint {
+  double colour[3]; /* diffuse reflectance, 0..1; a texture multiplies it */
+  int texture;      /* index of the mesh's textures, once it is part of a scene of the scene's; -1: none */
+} StyPaint;
+
 typedef struct StyMesh {
+  char *path; /* the file */
   size_t vertex_count;
   size_t triangle_count;
-  int part_count;                /* parts of the file; ids are 1 .. part_count */
-  float *positions;              /* 3 per vertex, trace space; one more float follows (Embree reads 16 bytes) */
-  float *normals;                /* 3 per vertex, unit length, world frame */
-  uint32_t *indices;             /* 3 per triangle, counter-clockwise seen from outside */
-  uint32_t *part_ids;            /* 1 per triangle */
+  int part_count;     /* parts of the file; ids are 1 .. part_count */
+  float *positions;   /* 3 per vertex, trace space; one more float follows (Embree reads 16 bytes) */
+  float *normals;     /* 3 per vertex, unit length, world frame */
+  float *uvs;         /* 2 per vertex, v up; NULL where the file has none */
+  uint32_t *indices;  /* 3 per triangle, counter-clockwise seen from outside */
+  uint32_t *part_ids; /* 1 per triangle */
+  StyPaint *paints;   /* 1 per part, of the file's materials; NULL: all white */
+  char **textures;    /* paths of the pictures that they name, beside the file */
+  int texture_count;
   double centre[3];              /* world */
   double scale;                  /* trace units per world unit */
   double minimum[3], maximum[3]; /* world bounds */
@@ -45,7 +56,7 @@ typedef struct StyMeshOptions {
  * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
  * faces, all faces without area, NaN or infinite coordinates, indices out of
  * range; the message names the file and the first offending vertex or face),
- * STY_ERROR_LIBRARY (memory). */
+ * STY_ERROR_LIBRARY (memory). Textures aren't opened; those inside the file are left out. */
 StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error);
 
 /* Frees and nulls *mesh. */

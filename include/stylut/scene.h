@@ -13,11 +13,11 @@
 extern "C" {
 #endif
 
-enum { STY_MOST_OBJECTS = 65536, STY_MOST_STYLE = 255, STY_MOST_LIGHTS = 64 };
+enum { STY_MOST_OBJECTS = 65536, STY_MOST_STYLE = 255, STY_MOST_LIGHTS = 64, STY_MOST_TEXTURES = 4096 };
 
 /* How a surface answers light, scene-linear: Lambert, and Blinn-Phong's highlight (Blinn 1977). */
 typedef struct StyMaterial {
-  double colour[3]; /* diffuse reflectance, 0..1 */
+  StyPaint paint;
   double specular;  /* of the highlight, 0..1; 0: none */
   double shininess; /* its exponent, 1..10000 */
 } StyMaterial;
@@ -30,7 +30,8 @@ typedef struct StyObject {
   double transform[3][4]; /* the file's coordinates to the world's; the last column moves */
   int style;              /* 1 .. STY_MOST_STYLE, 0 = none */
   StyMaterial material;
-  int first_id; /* part p of the mesh has object.I = first_id + p - 1; set by sty_finish_scene */
+  bool is_painted; /* with the material's paint; else as the mesh's file says, part by part */
+  int first_id;    /* part p of the mesh has object.I = first_id + p - 1; set by sty_finish_scene */
 } StyObject;
 
 /* An analytic sphere: exact wherever it is looked at. */
@@ -60,6 +61,8 @@ typedef struct StyScene {
   int sphere_count;
   StyLight *lights;
   int light_count;
+  char **textures; /* paths */
+  int texture_count;
   double ambient;                /* reaches every surface from everywhere */
   bool shadows;                  /* whether things stand in each other's light */
   double centre[3];              /* world */
@@ -73,10 +76,13 @@ extern const double sty_identity[3][4];
 StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
 
+/* The number of the texture at this path, which is remembered but not opened. */
+StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error);
+
 /* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
  * which it is. STY_ERROR_INPUT: a transform without a volume or with values that aren't
  * finite, a radius that isn't positive, a light without a direction, more than
- * STY_MOST_OBJECTS, or STY_MOST_LIGHTS. */
+ * STY_MOST_OBJECTS, STY_MOST_LIGHTS or STY_MOST_TEXTURES. */
 StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *error);
 StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error);
 StyStatus sty_add_sphere(StyScene *scene, const StySphere *sphere, StyError *error);
@@ -89,6 +95,10 @@ StyStatus sty_finish_scene(StyScene *scene, StyError *error);
 
 /* A scene of one mesh as it stands in its file, of style 1, finished; the mesh is taken over. */
 StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error);
+
+/* STY_ERROR_INPUT unless the two have as many objects and spheres, and objects of as many triangles: what a later
+ * state of the same scene has. */
+StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error);
 
 /* Triangles of all objects, shared ones counted for each. */
 size_t sty_count_scene_triangles(const StyScene *scene);

@@ -15,8 +15,9 @@
  *   orthographic  likewise, but sees "height" world units
  * "up" is [0,1,0] where it isn't given, "style" 1; without a camera, fit. A transform takes the
  * mesh file's coordinates to the world's; its last row is 0 0 0 1. Objects that name the same mesh
- * share it. Objects and spheres may have a "color" (default white), and a highlight: "specular"
- * (0) and "shininess" (32). "ambient" is 0.1 where there are lights, else 1, so that a scene
+ * share it. Objects and spheres may have a "color" (default white), a "texture" (a picture, which it
+ * multiplies), and a highlight: "specular" (0) and "shininess" (32); an object with neither color nor texture has its
+ * mesh file's. "ambient" is 0.1 where there are lights, else 1, so that a scene
  * without any is evenly lit; shadows are on. Unknown keys and wrong types are errors with line and column. */
 #ifndef STYLUT_SCENE_FILE_H
 #define STYLUT_SCENE_FILE_H

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -47,23 +48,99 @@ StyStatus sty_get_image_format(const char *path, StyImageFormat *out, StyError *
   return STY_OK;
 }
 
-StyStatus sty_prepare_image(const char *path, const StyImage *image, StyOutput *out, StyError *error) {
+struct StyImageWriter {
+  StyOutput output;
+  StyRowWriter *rows;
+  int height, written;
+};
+
+static StyStatus check_format(const char *path, StyImageFormat format, const StyImage *like, StyError *error) {
+  if (format != STY_IMAGE_PNG || (like->channel_count <= 4 && like->bits <= 16)) return STY_OK;
+  return sty_fail(error, STY_ERROR_USAGE, "%s: found %d channels of %d bits, which PNG can't hold; expected .exr", path,
+                  like->channel_count, like->bits);
+}
+
+static StyStatus open_writer(const char *path, const StyImage *like, int height, StyImageWriter *out, StyError *error) {
   const StyImageCodec *c;
   StyImageFormat format = STY_IMAGE_EXR;
-  StyOutput output;
+  StyImageWriter writer = {.height = height};
   StyStatus status = sty_get_image_format(path, &format, error);
-  if (!status && format == STY_IMAGE_PNG && (image->channel_count > 4 || image->bits > 16))
-    status = sty_fail(error, STY_ERROR_USAGE, "%s: found %d channels of %d bits, which PNG can't hold; expected .exr",
-                      path, image->channel_count, image->bits);
+  if (!status) status = check_format(path, format, like, error);
   if (!status) status = get_codec(&c, error);
-  if (!status) status = sty_open_output(path, &output, error);
+  if (!status) status = sty_open_output(path, &writer.output, error);
   if (status) return status;
-  status = c->write(path, output.stream, format, image, error);
-  if (!status) status = sty_flush_output(&output, error);
+  status = c->open_writer(path, writer.output.stream, format, like, height, &writer.rows, error);
   if (status)
-    sty_discard_output(&output);
+    sty_discard_output(&writer.output);
   else
-    *out = output;
+    *out = writer;
+  return status;
+}
+
+static StyStatus append_rows(StyImageWriter *writer, const StyImage *rows, StyError *error) {
+  writer->written += rows->height;
+  if (writer->written > writer->height)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found %d rows, expected %d", writer->output.path, writer->written,
+                    writer->height);
+  return codec->write_rows(writer->rows, rows, error);
+}
+
+/* All but the last step: *out can appear. */
+static StyStatus finish_rows(StyImageWriter *writer, StyOutput *out, StyError *error) {
+  StyStatus status = STY_OK;
+  if (writer->written != writer->height)
+    status = sty_fail(error, STY_ERROR_USAGE, "%s: found %d rows, expected %d", writer->output.path, writer->written,
+                      writer->height);
+  if (!status) status = codec->close_writer(&writer->rows, error);
+  codec->discard_writer(&writer->rows);
+  if (!status) status = sty_flush_output(&writer->output, error);
+  if (status)
+    sty_discard_output(&writer->output);
+  else
+    *out = writer->output;
+  return status;
+}
+
+StyStatus sty_open_image_writer(const char *path, const StyImage *like, int height, StyImageWriter **out,
+                                StyError *error) {
+  StyImageWriter *writer = malloc(sizeof *writer);
+  if (!writer) return sty_fail_memory(error, path, sizeof *writer);
+  const StyStatus status = open_writer(path, like, height, writer, error);
+  if (status)
+    free(writer);
+  else
+    *out = writer;
+  return status;
+}
+
+StyStatus sty_write_rows(StyImageWriter *writer, const StyImage *rows, StyError *error) {
+  return append_rows(writer, rows, error);
+}
+
+StyStatus sty_close_image_writer(StyImageWriter **writer, StyError *error) {
+  StyOutput output;
+  const StyStatus status = finish_rows(*writer, &output, error);
+  free(*writer);
+  *writer = NULL;
+  return status ? status : sty_commit_output(&output, error);
+}
+
+void sty_discard_image_writer(StyImageWriter **writer) {
+  if (!writer || !*writer) return;
+  codec->discard_writer(&(*writer)->rows);
+  sty_discard_output(&(*writer)->output);
+  free(*writer);
+  *writer = NULL;
+}
+
+StyStatus sty_prepare_image(const char *path, const StyImage *image, StyOutput *out, StyError *error) {
+  StyImageWriter writer;
+  StyStatus status = open_writer(path, image, image->height, &writer, error);
+  if (status) return status;
+  status = append_rows(&writer, image, error);
+  if (!status) return finish_rows(&writer, out, error);
+  codec->discard_writer(&writer.rows);
+  sty_discard_output(&writer.output);
   return status;
 }
 
@@ -71,4 +148,19 @@ StyStatus sty_write_image(const char *path, const StyImage *image, StyError *err
   StyOutput output;
   const StyStatus status = sty_prepare_image(path, image, &output, error);
   return status ? status : sty_commit_output(&output, error);
+}
+
+StyStatus sty_open_texture_map(const char *path, StyTextureMap **out, StyError *error) {
+  const StyImageCodec *c;
+  StyStatus status = get_codec(&c, error);
+  if (!status) status = sty_check_whole(path, error);
+  return status ? status : c->open_texture(path, out, error);
+}
+
+void sty_close_texture_map(StyTextureMap **texture) {
+  if (texture && *texture) codec->close_texture(texture);
+}
+
+void sty_sample_texture_map(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
+  codec->sample_texture(texture, uv, nearest, out);
 }

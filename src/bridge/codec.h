@@ -6,16 +6,27 @@
 
 #include <stdio.h>
 
+#include "bridge/texture.h"
 #include "stylut/image_io.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* As sty_read_image and sty_prepare_image of image_io.h. */
+/* A picture on its way into a stream. */
+typedef struct StyRowWriter StyRowWriter;
+
+/* As sty_read_image and the writers of image_io.h, and what texture.h has. */
 typedef struct StyImageCodec {
   StyStatus (*read)(const char *path, StyImage **out, StyError *error);
-  StyStatus (*write)(const char *path, FILE *stream, StyImageFormat format, const StyImage *image, StyError *error);
+  StyStatus (*open_writer)(const char *path, FILE *stream, StyImageFormat format, const StyImage *like, int height,
+                           StyRowWriter **out, StyError *error);
+  StyStatus (*write_rows)(StyRowWriter *writer, const StyImage *rows, StyError *error);
+  StyStatus (*close_writer)(StyRowWriter **writer, StyError *error); /* spends it either way */
+  void (*discard_writer)(StyRowWriter **writer);
+  StyStatus (*open_texture)(const char *path, StyTextureMap **out, StyError *error);
+  void (*close_texture)(StyTextureMap **texture);
+  void (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 } StyImageCodec;
 
 #define STY_CODEC_MODULE "libstylut_oiio.so"

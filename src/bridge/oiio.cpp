@@ -4,13 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <exception>
-#include <memory>
-#include <new>
 #include <string>
 #include <vector>
 
-#include "bridge/codec.h"
+#include "bridge/oiio.h"
 #include "stylut/file.h"
 
 namespace {
@@ -19,6 +16,9 @@ using OIIO::ImageInput;
 using OIIO::ImageOutput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
+using sty::check;
+using sty::guard;
+using sty::ImageHolder;
 
 // Deflate, the densest codec among the formats we read, gains at most about
 // 1032:1; a header that claims more than this is not worth an allocation.
@@ -26,32 +26,6 @@ constexpr double kMaxCompression = 2048.0;
 constexpr double kAlwaysAllowedBytes = 64.0 * 1024 * 1024;
 constexpr int kRowsAtOnce = 64;
 constexpr const char *kAttributePrefix = "stylut:";
-
-// Ends the work inside try blocks below; caught in guard().
-struct Failure {
-  StyStatus status;
-};
-
-// Runs `body` and turns every exception into a status.
-template <typename Body>
-StyStatus guard(const char *path, StyError *error, Body body) {
-  try {
-    body();
-    return STY_OK;
-  } catch (const Failure &failure) {
-    return failure.status;
-  } catch (const std::bad_alloc &) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "%s: found too little memory for the picture", path);
-  } catch (const std::exception &exception) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO failed: %s", path, exception.what());
-  } catch (...) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO failed", path);
-  }
-}
-
-void check(StyStatus status) {
-  if (status != STY_OK) throw Failure{status};
-}
 
 int bits_of(TypeDesc format) {
   switch (format.basetype) {
@@ -204,13 +178,9 @@ void read_attributes(const ImageSpec &spec, StyImage *image, StyError *error) {
   }
 }
 
-struct ImageDeleter {
-  void operator()(StyImage *image) const { sty_destroy_image(&image); }
-};
-using ImageHolder = std::unique_ptr<StyImage, ImageDeleter>;
-
 // Hands rows of interleaved values to the writer.
-void write_rows(const char *path, ImageOutput &output, const ImageSpec &spec, const StyImage *image, StyError *error) {
+void write_rows(const char *path, ImageOutput &output, const StyImage *image, int first, StyError *error) {
+  const ImageSpec &spec = output.spec();
   const size_t pixels = sty_count_pixels(image);
   const size_t channels = size_t(image->channel_count), width = size_t(image->width);
   std::vector<float> rows(kRowsAtOnce * width * channels);
@@ -225,14 +195,14 @@ void write_rows(const char *path, ImageOutput &output, const ImageSpec &spec, co
     }
     bool written;
     if (spec.format == TypeDesc::FLOAT) {
-      written = output.write_scanlines(begin, end, 0, TypeDesc::FLOAT, rows.data());
+      written = output.write_scanlines(first + begin, first + end, 0, TypeDesc::FLOAT, rows.data());
     } else {
       // Rounded here, so that no library version rounds for us.
       for (size_t i = 0; i < count; i++)
         integers[i] = uint16_t(std::lrint(std::fmin(std::fmax(rows[i], 0.0f), 1.0f) * top));
       std::vector<uint8_t> bytes;
       if (image->bits == 8) bytes.assign(integers.begin(), integers.begin() + long(count));
-      written = output.write_scanlines(begin, end, 0, spec.format,
+      written = output.write_scanlines(first + begin, first + end, 0, spec.format,
                                        image->bits == 8 ? (const void *)bytes.data() : integers.data());
     }
     if (!written) check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output.geterror().c_str()));
@@ -241,7 +211,7 @@ void write_rows(const char *path, ImageOutput &output, const ImageSpec &spec, co
 
 }  // namespace
 
-static StyStatus read_image(const char *path, StyImage **out, StyError *error) {
+StyStatus sty::read_image(const char *path, StyImage **out, StyError *error) {
   uint64_t file_bytes = 0;
   const StyStatus status = sty_check_file(path, &file_bytes, error);
   if (status != STY_OK) return status;
@@ -290,35 +260,72 @@ static StyStatus read_image(const char *path, StyImage **out, StyError *error) {
   });
 }
 
-static StyStatus write_image(const char *path, FILE *stream, StyImageFormat format, const StyImage *image,
-                             StyError *error) {
+struct StyRowWriter {
+  std::string path;
+  // Before the output, which still turns to it when it is destroyed.
+  OIIO::Filesystem::IOFile proxy;
+  std::unique_ptr<ImageOutput> output;
+  int next = 0;  // row
+
+  StyRowWriter(const char *name, FILE *stream) : path(name), proxy(stream, OIIO::Filesystem::IOProxy::Write) {}
+};
+
+static ImageSpec make_spec(const StyImage *like, int height, StyImageFormat format) {
+  const bool exr = format == STY_IMAGE_EXR;
+  ImageSpec spec(like->width, height, like->channel_count,
+                 exr               ? TypeDesc::FLOAT
+                 : like->bits == 8 ? TypeDesc::UINT8
+                                   : TypeDesc::UINT16);
+  for (int c = 0; c < like->channel_count; c++) spec.channelnames[size_t(c)] = like->names[c];
+  // PNG gives meaning to channels by their place; only alpha needs a mark.
+  spec.alpha_channel = !exr && like->channel_count % 2 == 0 ? like->channel_count - 1 : -1;
+  spec["oiio:UnassociatedAlpha"] = 1;
+  // Lossless; higher levels take longer and gain 2 %.
+  spec["compression"] = exr ? "zip:1" : "";
+  spec["DateTime"] = "2000:01:01 00:00:00";  // the same bytes whenever it is written
+  for (int i = 0; i < like->attribute_count; i++) spec.attribute(like->attributes[i].name, like->attributes[i].value);
+  return spec;
+}
+
+static StyStatus open_writer(const char *path, FILE *stream, StyImageFormat format, const StyImage *like, int height,
+                             StyRowWriter **out, StyError *error) {
   return guard(path, error, [&] {
-    const bool exr = format == STY_IMAGE_EXR;
-    // Before the output, which still turns to it when it is destroyed.
-    OIIO::Filesystem::IOFile proxy(stream, OIIO::Filesystem::IOProxy::Write);
-    const auto output = ImageOutput::create(exr ? "openexr" : "png");
-    if (!output) check(sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO has no writer for this format", path));
-    ImageSpec spec(image->width, image->height, image->channel_count,
-                   exr                ? TypeDesc::FLOAT
-                   : image->bits == 8 ? TypeDesc::UINT8
-                                      : TypeDesc::UINT16);
-    for (int c = 0; c < image->channel_count; c++) spec.channelnames[size_t(c)] = image->names[c];
-    // PNG gives meaning to channels by their place; only alpha needs a mark.
-    spec.alpha_channel = !exr && image->channel_count % 2 == 0 ? image->channel_count - 1 : -1;
-    spec["oiio:UnassociatedAlpha"] = 1;
-    // Lossless; higher levels take longer and gain 2 %.
-    spec["compression"] = exr ? "zip:1" : "";
-    spec["DateTime"] = "2000:01:01 00:00:00";  // the same bytes whenever it is written
-    for (int i = 0; i < image->attribute_count; i++)
-      spec.attribute(image->attributes[i].name, image->attributes[i].value);
-    void *pointer = &proxy;
+    auto writer = std::make_unique<StyRowWriter>(path, stream);
+    writer->output = ImageOutput::create(format == STY_IMAGE_EXR ? "openexr" : "png");
+    if (!writer->output)
+      check(sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO has no writer for this format", path));
+    ImageSpec spec = make_spec(like, height, format);
+    void *pointer = &writer->proxy;
     spec.attribute("oiio:ioproxy", TypeDesc::PTR, &pointer);
-    if (!output->open(path, spec))
-      check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output->geterror().c_str()));
-    write_rows(path, *output, spec, image, error);
-    if (!output->close())
-      check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, output->geterror().c_str()));
+    if (!writer->output->open(path, spec))
+      check(sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path, writer->output->geterror().c_str()));
+    *out = writer.release();
   });
 }
 
-extern "C" __attribute__((visibility("default"))) const StyImageCodec sty_image_codec = {read_image, write_image};
+static StyStatus append_rows(StyRowWriter *writer, const StyImage *rows, StyError *error) {
+  return guard(writer->path.c_str(), error, [&] {
+    write_rows(writer->path.c_str(), *writer->output, rows, writer->next, error);
+    writer->next += rows->height;
+  });
+}
+
+static void discard_writer(StyRowWriter **writer) {
+  delete *writer;
+  *writer = nullptr;
+}
+
+static StyStatus close_writer(StyRowWriter **writer, StyError *error) {
+  const std::string path = (*writer)->path;
+  const StyStatus status = guard(path.c_str(), error, [&] {
+    if (!(*writer)->output->close())
+      check(
+          sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s", path.c_str(), (*writer)->output->geterror().c_str()));
+  });
+  discard_writer(writer);
+  return status;
+}
+
+extern "C" __attribute__((visibility("default")))
+const StyImageCodec sty_image_codec = {sty::read_image, open_writer,       append_rows,        close_writer,
+                                       discard_writer,  sty::open_texture, sty::close_texture, sty::sample_texture};

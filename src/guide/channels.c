@@ -10,8 +10,12 @@ const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT] = {
     {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, offsetof(StySample, position)},
     {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, offsetof(StySample, object)},
     {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, offsetof(StySample, style)},
+    {STY_GUIDE_UV, "uv", 2, {"uv.U", "uv.V"}, 0, offsetof(StySample, uv)},
     {STY_GUIDE_ALBEDO, "albedo", 3, {"albedo.R", "albedo.G", "albedo.B"}, 0, offsetof(StySample, albedo)},
     {STY_GUIDE_LUMA, "luma", 1, {"luma.Y"}, 0, offsetof(StySample, luma)},
+    {STY_GUIDE_CURVATURE, "curvature", 1, {"curvature.Y"}, 0, offsetof(StySample, curvature)},
+    {STY_GUIDE_CONTOUR, "contour", 1, {"contour.Y"}, 0, offsetof(StySample, contour)},
+    {STY_GUIDE_MOTION, "motion", 2, {"motion.U", "motion.V"}, 0, offsetof(StySample, motion)},
 };
 
 static unsigned get_all_groups(void) {
@@ -26,7 +30,7 @@ static unsigned find_group(const char *text, size_t length) {
     const char *name = STY_CHANNEL_GROUPS[g].name;
     if (strlen(name) == length && memcmp(name, text, length) == 0) return STY_CHANNEL_GROUPS[g].group;
   }
-  return length == 3 && memcmp(text, "all", 3) == 0 ? get_all_groups() : 0;
+  return length == 3 && memcmp(text, "all", 3) == 0 ? get_all_groups() & ~(unsigned)STY_GUIDE_MOTION : 0;
 }
 
 static StyStatus fail_group(const char *what, const char *text, size_t length, StyError *error) {
@@ -81,6 +85,23 @@ StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out
       guide.groups[g].planes[c] = sty_find_channel(guide.image, guide.groups[g].info->channels[c]);
   set_misses(&guide);
   *out = guide;
+  return STY_OK;
+}
+
+StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned groups, StyError *error) {
+  StyGuide guide;
+  int channels = 1;
+  for (int g = 0; g < STY_GROUP_COUNT; g++)
+    if (groups & STY_CHANNEL_GROUPS[g].group) channels += STY_CHANNEL_GROUPS[g].count;
+  if (rows == (*image)->height && channels == (*image)->channel_count) return STY_OK;
+  const StyStatus status = sty_create_guide((*image)->width, rows, groups, &guide, error);
+  if (status) return status;
+  const size_t count = sty_count_pixels(guide.image), start = (size_t)first * (size_t)guide.image->width;
+  for (int c = 0; c < guide.image->channel_count; c++)
+    memcpy(guide.image->data + (size_t)c * count, sty_find_channel(*image, guide.image->names[c]) + start,
+           count * sizeof(float));
+  sty_destroy_image(image);
+  *image = guide.image;
   return STY_OK;
 }
 

@@ -11,7 +11,7 @@
 #include "stylut/guide.h"
 
 #define STY_GROUP_CHANNELS 3 /* at most, per group */
-#define STY_GROUP_COUNT 7
+#define STY_GROUP_COUNT 11
 
 /* What a guide says about one covered pixel; only the groups asked for are set. */
 typedef struct StySample {
@@ -20,8 +20,12 @@ typedef struct StySample {
   double position[3];
   double object;
   double style;
+  double uv[2];
   double albedo[3];
   double luma;
+  double curvature;
+  double contour;
+  double motion[2];
 } StySample;
 
 typedef struct StyChannelGroupInfo {
@@ -49,6 +53,9 @@ typedef struct StyGuide {
 /* A guide of channel A and those of `groups`, with nothing hit anywhere. The
  * caller owns out->image. STY_ERROR_USAGE for unknown groups. */
 StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out, StyError *error);
+
+/* Replaces *image by `rows` of its rows, from `first`, and the channels of `groups`, where it has more. */
+StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned groups, StyError *error);
 
 /* Marks a pixel as covered by what `sample` says. */
 void sty_set_sample(const StyGuide *guide, size_t pixel, const StySample *sample);

@@ -1,11 +1,10 @@
 #include <math.h>
 
 #include "guide/channels.h"
+#include "guide/contour.h"
 
-StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error) {
-  StyGuide guide;
-  StyStatus status = sty_create_guide(width, height, groups, &guide, error);
-  if (status != STY_OK) return status;
+static void fill_sphere(const StyGuide *guide) {
+  const int width = guide->image->width, height = guide->image->height;
   for (int j = 0; j < height; j++) {
     const double y = 1 - (j + 0.5) / height * 2;
     for (int i = 0; i < width; i++) {
@@ -19,10 +18,28 @@ StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage
                                 .object = 1,
                                 .style = 1,
                                 .albedo = {1, 1, 1},
-                                .luma = 1};
-      sty_set_sample(&guide, (size_t)j * (size_t)width + (size_t)i, &sample);
+                                .luma = 1,
+                                .uv = {0.5 + atan2(x, z) / (2 * M_PI), 0.5 + asin(y) / M_PI},
+                                .curvature = 1};
+      sty_set_sample(guide, (size_t)j * (size_t)width + (size_t)i, &sample);
     }
   }
-  *out = guide.image;
-  return STY_OK;
+}
+
+StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error) {
+  StyGuide guide;
+  if (groups & STY_GUIDE_MOTION)
+    return sty_fail(error, STY_ERROR_USAGE, "channel motion: found with a sphere that stands still, expected a scene");
+  const unsigned contour = groups & STY_GUIDE_CONTOUR;
+  StyStatus status = sty_create_guide(width, height, contour ? groups | STY_CONTOUR_SOURCES : groups, &guide, error);
+  if (status) return status;
+  fill_sphere(&guide);
+  const StyFootprint footprint = {2.0 / height, 0};
+  if (contour) status = sty_draw_contours(&guide, &sty_default_contour, &footprint, NULL, error);
+  if (!status) status = sty_select_channels(&guide.image, 0, height, groups, error);
+  if (status)
+    sty_destroy_image(&guide.image);
+  else
+    *out = guide.image;
+  return status;
 }

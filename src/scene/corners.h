@@ -15,6 +15,7 @@
 typedef struct StyCorner {
   float position[3];
   float normal[3]; /* all zero: not known yet */
+  float uv[2];     /* zero where the file has none */
 } StyCorner;
 
 /* Numbers the distinct corners from 0 in order of their first appearance:

@@ -3,6 +3,7 @@
  * on: its smooth normals are wrong wherever faces share vertices, and its
  * vertex joining merges everything closer than an absolute 1e-5. */
 #include <assimp/cimport.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/version.h>
@@ -45,6 +46,7 @@ typedef struct Import {
   size_t part_count, part_capacity;
   size_t triangle_count; /* of all parts, degenerate ones too */
   bool keep_normals;
+  bool has_uvs; /* some part has */
 } Import;
 
 /* Assimp's log and its last error belong to the process. */
@@ -74,10 +76,18 @@ static StyStatus fail_library(const char *path, StyError *error) {
                   reason[0] ? reason : "nothing");
 }
 
+static bool has_uvs(const struct aiMesh *mesh) { return mesh->mTextureCoords[0] && mesh->mNumUVComponents[0] >= 2; }
+
 static StyStatus check_vertices(const Import *import, unsigned m, StyError *error) {
   const struct aiMesh *mesh = import->file->mMeshes[m];
   for (unsigned v = 0; v < mesh->mNumVertices; v++) {
     const struct aiVector3D p = mesh->mVertices[v];
+    if (has_uvs(mesh) && !(isfinite(mesh->mTextureCoords[0][v].x) && isfinite(mesh->mTextureCoords[0][v].y)))
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: vertex %u of mesh %u (counted from 1) has the texture coordinates (%g, %g), expected finite "
+                      "ones",
+                      import->path, v + 1, m + 1, (double)mesh->mTextureCoords[0][v].x,
+                      (double)mesh->mTextureCoords[0][v].y);
     if (isfinite(p.x) && isfinite(p.y) && isfinite(p.z)) continue;
     return sty_fail(error, STY_ERROR_INPUT,
                     "%s: vertex %u of mesh %u (counted from 1) is (%g, %g, %g), expected finite float coordinates",
@@ -240,6 +250,7 @@ static StyStatus add_part(Import *import, unsigned m, const double node[3][4], S
     import->part_capacity = capacity;
   }
   import->parts[import->part_count++] = make_part(import, m, node);
+  import->has_uvs |= has_uvs(import->file->mMeshes[m]);
   import->triangle_count += triangles;
   return STY_OK;
 }
@@ -365,6 +376,9 @@ static void fill_corner(const Import *import, const StyMesh *mesh, const Part *p
   /* Adding zero turns negative zero into zero: corners compare by their bytes. */
   for (int k = 0; k < 3; k++) out->position[k] = (float)((world[k] - mesh->centre[k]) * mesh->scale) + 0.0f;
   if (import->keep_normals && part->mesh->mNormals) fill_file_normal(part, v, out->normal);
+  if (!has_uvs(part->mesh)) return;
+  out->uv[0] = part->mesh->mTextureCoords[0][v].x + 0.0f;
+  out->uv[1] = part->mesh->mTextureCoords[0][v].y + 0.0f;
 }
 
 static bool has_corner_area(const StyCorner corners[3]) {
@@ -401,6 +415,63 @@ static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **o
   return mesh->triangle_count > 0 ? STY_OK : fail_flat(import, error);
 }
 
+/* ---- materials ---- */
+
+/* The picture of a part's material, beside the file; NULL: none, or one inside the file. */
+static char *find_texture(const char *path, const struct aiMaterial *material) {
+  struct aiString name;
+  if (aiGetMaterialTexture(material, aiTextureType_DIFFUSE, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) !=
+          aiReturn_SUCCESS &&
+      aiGetMaterialTexture(material, aiTextureType_BASE_COLOR, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) !=
+          aiReturn_SUCCESS)
+    return NULL;
+  if (name.length == 0 || name.data[0] == '*') return NULL;
+  for (char *c = name.data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
+  char *folder = sty_get_folder(path);
+  char *texture = folder ? sty_join_path(folder, name.data) : NULL;
+  free(folder);
+  return texture;
+}
+
+/* The number of the mesh's texture at this path, which is taken over. */
+static int number_texture(StyMesh *mesh, char *path) {
+  for (int t = 0; t < mesh->texture_count; t++)
+    if (strcmp(mesh->textures[t], path) == 0) {
+      free(path);
+      return t;
+    }
+  mesh->textures[mesh->texture_count] = path;
+  return mesh->texture_count++;
+}
+
+/* White for what the file says nothing of, where the importer would say grey. */
+static StyPaint read_paint(const Import *import, const Part *part, StyMesh *mesh) {
+  StyPaint paint = {{1, 1, 1}, -1};
+  struct aiString name;
+  struct aiColor4D colour;
+  if (part->mesh->mMaterialIndex >= import->file->mNumMaterials) return paint;
+  const struct aiMaterial *material = import->file->mMaterials[part->mesh->mMaterialIndex];
+  if (aiGetMaterialString(material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+      strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
+    return paint;
+  if (aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &colour) == aiReturn_SUCCESS) {
+    const double found[3] = {(double)colour.r, (double)colour.g, (double)colour.b};
+    for (int k = 0; k < 3; k++) paint.colour[k] = found[k] >= 0 && found[k] <= 1 ? found[k] : 1;
+  }
+  char *texture = find_texture(import->path, material);
+  if (texture) paint.texture = number_texture(mesh, texture);
+  return paint;
+}
+
+static StyStatus read_paints(const Import *import, StyMesh *mesh, StyError *error) {
+  mesh->paints = malloc(import->part_count * sizeof *mesh->paints);
+  mesh->textures = malloc(import->part_count * sizeof *mesh->textures);
+  if (!mesh->paints || !mesh->textures)
+    return sty_fail_memory(error, "mesh parts", (double)(import->part_count * sizeof *mesh->paints));
+  for (size_t p = 0; p < import->part_count; p++) mesh->paints[p] = read_paint(import, &import->parts[p], mesh);
+  return STY_OK;
+}
+
 /* ---- the mesh ---- */
 
 static bool lacks_normals(const StyCorner *corners, size_t count) {
@@ -409,19 +480,21 @@ static bool lacks_normals(const StyCorner *corners, size_t count) {
   return false;
 }
 
-static StyStatus share_vertices(StyMesh *mesh, const StyCorner *corners, StyError *error) {
-  const size_t count = 3 * mesh->triangle_count;
+static StyStatus share_vertices(StyMesh *mesh, const StyCorner *corners, bool has_uvs, StyError *error) {
+  const size_t count = 3 * mesh->triangle_count, size = has_uvs ? sizeof *corners : offsetof(StyCorner, uv);
   mesh->indices = malloc(count * sizeof *mesh->indices);
   if (!mesh->indices) return sty_fail_memory(error, "mesh indices", (double)(count * sizeof *mesh->indices));
-  StyStatus status = sty_number_corners(corners, count, sizeof *corners, mesh->indices, &mesh->vertex_count, error);
+  StyStatus status = sty_number_corners(corners, count, size, mesh->indices, &mesh->vertex_count, error);
   if (status != STY_OK) return status;
   mesh->positions = calloc(3 * mesh->vertex_count + 1, sizeof *mesh->positions);
   mesh->normals = malloc(3 * mesh->vertex_count * sizeof *mesh->normals);
-  if (!mesh->positions || !mesh->normals)
+  if (has_uvs) mesh->uvs = malloc(2 * mesh->vertex_count * sizeof *mesh->uvs);
+  if (!mesh->positions || !mesh->normals || (has_uvs && !mesh->uvs))
     return sty_fail_memory(error, "mesh vertices", (double)mesh->vertex_count * sizeof *corners);
   for (size_t c = 0; c < count; c++) {
     memcpy(&mesh->positions[3 * (size_t)mesh->indices[c]], corners[c].position, sizeof corners->position);
     memcpy(&mesh->normals[3 * (size_t)mesh->indices[c]], corners[c].normal, sizeof corners->normal);
+    if (has_uvs) memcpy(&mesh->uvs[2 * (size_t)mesh->indices[c]], corners[c].uv, sizeof corners->uv);
   }
   return STY_OK;
 }
@@ -440,10 +513,11 @@ static StyStatus build_mesh(Import *import, double crease_angle, StyMesh *mesh, 
   StyCorner *corners = NULL;
   StyStatus status = measure_mesh(import, mesh, error);
   if (status == STY_OK) status = fill_corners(import, mesh, &corners, error);
+  if (status == STY_OK) status = read_paints(import, mesh, error);
   release_import(import);
   if (status == STY_OK && lacks_normals(corners, 3 * mesh->triangle_count))
     status = sty_smooth_corners(corners, mesh->triangle_count, crease_angle, error);
-  if (status == STY_OK) status = share_vertices(mesh, corners, error);
+  if (status == STY_OK) status = share_vertices(mesh, corners, import->has_uvs, error);
   free(corners);
   return status;
 }
@@ -456,7 +530,8 @@ StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh
   Import import = {.path = path, .keep_normals = crease_angle < 0 && strcasecmp(find_extension(path), "stl") != 0};
   StyMesh *mesh = calloc(1, sizeof *mesh);
   if (!mesh) return sty_fail_memory(error, "mesh", sizeof *mesh);
-  StyStatus status = read_file(&import, error);
+  mesh->path = strdup(path);
+  StyStatus status = mesh->path ? read_file(&import, error) : sty_fail_memory(error, path, (double)strlen(path));
   if (status == STY_OK) status = list_parts(&import, error);
   if (status == STY_OK)
     status = build_mesh(&import, crease_angle < 0 ? DEFAULT_CREASE_ANGLE : crease_angle, mesh, error);
@@ -470,8 +545,13 @@ StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh
 
 void sty_destroy_mesh(StyMesh **mesh) {
   if (!mesh || !*mesh) return;
+  free((*mesh)->path);
   free((*mesh)->positions);
   free((*mesh)->normals);
+  free((*mesh)->uvs);
+  free((*mesh)->paints);
+  for (int t = 0; t < (*mesh)->texture_count; t++) free((*mesh)->textures[t]);
+  free((*mesh)->textures);
   free((*mesh)->indices);
   free((*mesh)->part_ids);
   free(*mesh);

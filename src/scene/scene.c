@@ -6,7 +6,7 @@
 #include "scene/points.h"
 #include "scene/vector.h"
 
-const StyMaterial sty_white = {.colour = {1, 1, 1}, .shininess = 1};
+const StyMaterial sty_white = {.paint = {{1, 1, 1}, -1}, .shininess = 1};
 const double sty_identity[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 
 StyStatus sty_create_scene(StyScene **out, StyError *error) {
@@ -24,6 +24,8 @@ void sty_destroy_scene(StyScene **scene) {
   free((*scene)->objects);
   free((*scene)->spheres);
   free((*scene)->lights);
+  for (int t = 0; t < (*scene)->texture_count; t++) free((*scene)->textures[t]);
+  free((*scene)->textures);
   free(*scene);
   *scene = NULL;
 }
@@ -43,10 +45,38 @@ static StyStatus check_count(const StyScene *scene, StyError *error) {
   return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d objects, expected at most that", STY_MOST_OBJECTS);
 }
 
+StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error) {
+  for (*number = 0; *number < scene->texture_count; ++*number)
+    if (strcmp(scene->textures[*number], path) == 0) return STY_OK;
+  if (scene->texture_count == STY_MOST_TEXTURES)
+    return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d textures, expected at most that",
+                    STY_MOST_TEXTURES);
+  void *list = scene->textures;
+  const StyStatus status = grow(&list, scene->texture_count, sizeof *scene->textures, "textures", error);
+  scene->textures = list;
+  if (status) return status;
+  char *copy = strdup(path);
+  if (!copy) return sty_fail_memory(error, path, (double)strlen(path));
+  scene->textures[scene->texture_count++] = copy;
+  return STY_OK;
+}
+
+/* The mesh's textures become the scene's. */
+static StyStatus add_textures(StyScene *scene, StyMesh *mesh, StyError *error) {
+  for (int p = 0; mesh->paints && p < mesh->part_count; p++) {
+    StyPaint *paint = &mesh->paints[p];
+    if (paint->texture < 0) continue;
+    const StyStatus status = sty_add_texture(scene, mesh->textures[paint->texture], &paint->texture, error);
+    if (status) return status;
+  }
+  return STY_OK;
+}
+
 StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *error) {
   void *list = scene->meshes;
-  const StyStatus status = grow(&list, scene->mesh_count, sizeof *scene->meshes, "meshes", error);
+  StyStatus status = grow(&list, scene->mesh_count, sizeof *scene->meshes, "meshes", error);
   scene->meshes = list;
+  if (!status) status = add_textures(scene, *mesh, error);
   if (status) {
     sty_destroy_mesh(mesh);
     return status;
@@ -228,6 +258,19 @@ StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error) {
   else
     *out = scene;
   return status;
+}
+
+StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error) {
+  if (scene->object_count != other->object_count || scene->sphere_count != other->sphere_count)
+    return sty_fail(error, STY_ERROR_INPUT, "found %d objects and %d spheres, expected %d and %d", other->object_count,
+                    other->sphere_count, scene->object_count, scene->sphere_count);
+  for (int o = 0; o < scene->object_count; o++) {
+    const size_t here = scene->meshes[scene->objects[o].mesh]->triangle_count;
+    const size_t there = other->meshes[other->objects[o].mesh]->triangle_count;
+    if (here != there)
+      return sty_fail(error, STY_ERROR_INPUT, "found an object %d of %zu triangles, expected %zu", o + 1, there, here);
+  }
+  return STY_OK;
 }
 
 size_t sty_count_scene_triangles(const StyScene *scene) {

@@ -184,26 +184,40 @@ static StyStatus read_transform(const StyDocument *document, const StyPath *obje
                         "16 numbers, row by row, of which the last four are 0, 0, 0, 1", error);
 }
 
-static StyStatus read_material(const StyDocument *document, const StyPath *path, const json_t *value, StyMaterial *out,
+/* The texture that an object or a sphere names, beside the file. */
+static StyStatus read_texture(Reading *reading, const StyPath *path, const json_t *value, int *out, StyError *error) {
+  const char *name = NULL;
+  StyStatus status = sty_get_string(&reading->document, path, value, "texture", 0, &name, error);
+  if (status || !name) return status;
+  char *texture = sty_join_path(reading->folder, name);
+  status = texture ? sty_add_texture(reading->scene, texture, out, error) : sty_fail_memory(error, name, 0);
+  free(texture);
+  return status;
+}
+
+static StyStatus read_material(Reading *reading, const StyPath *path, const json_t *value, StyMaterial *out,
                                StyError *error) {
+  const StyDocument *document = &reading->document;
   *out = sty_white;
   out->shininess = default_shininess;
-  StyStatus status = sty_get_numbers(document, path, value, "color", 0, 1, 3, out->colour, error);
+  StyStatus status = sty_get_numbers(document, path, value, "color", 0, 1, 3, out->paint.colour, error);
+  if (!status) status = read_texture(reading, path, value, &out->paint.texture, error);
   if (!status) status = sty_get_number(document, path, value, "specular", 0, 1, &out->specular, error);
   if (!status) status = sty_get_number(document, path, value, "shininess", 1, 10000, &out->shininess, error);
   return status;
 }
 
 static StyStatus read_object(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
-  static const char *const known[] = {"mesh", "transform", "style", "color", "specular", "shininess", NULL};
+  static const char *const known[] = {"mesh", "transform", "style", "color", "texture", "specular", "shininess", NULL};
   const StyDocument *document = &reading->document;
   const char *name = NULL;
   StyObject object = {.style = 1};
+  object.is_painted = json_object_get(value, "color") || json_object_get(value, "texture");
   StyError cause = {STY_OK, ""};
   StyStatus status = sty_check_keys(document, path, value, known, error);
   if (!status) status = sty_get_string(document, path, value, "mesh", 1, &name, error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &object.style, error);
-  if (!status) status = read_material(document, path, value, &object.material, error);
+  if (!status) status = read_material(reading, path, value, &object.material, error);
   if (!status) status = read_transform(document, path, value, object.transform, error);
   if (!status) status = find_mesh(reading, name, &object.mesh, error);
   if (status || !sty_add_object(reading->scene, &object, &cause)) return status;
@@ -211,7 +225,7 @@ static StyStatus read_object(Reading *reading, const StyPath *path, const json_t
 }
 
 static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
-  static const char *const known[] = {"center", "radius", "style", "color", "specular", "shininess", NULL};
+  static const char *const known[] = {"center", "radius", "style", "color", "texture", "specular", "shininess", NULL};
   const StyDocument *document = &reading->document;
   StySphere sphere = {.radius = 1, .style = 1};
   StyStatus status = sty_check_keys(document, path, value, known, error);
@@ -222,7 +236,7 @@ static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t
     status = sty_get_number(document, path, value, "radius", 1 / STY_MAX_COORDINATE, STY_MAX_COORDINATE, &sphere.radius,
                             error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &sphere.style, error);
-  if (!status) status = read_material(document, path, value, &sphere.material, error);
+  if (!status) status = read_material(reading, path, value, &sphere.material, error);
   return status ? status : sty_add_sphere(reading->scene, &sphere, error);
 }
 

@@ -279,7 +279,7 @@ typedef struct GuideTimes {
 
 static void time_guide(const StyScene *scene, const StyCamera *camera, unsigned groups, int threads, const Bare *bare,
                        GuideTimes *times) {
-  const StyTraceOptions options = {WIDTH, HEIGHT, groups, false, false};
+  const StyTraceOptions options = {.width = WIDTH, .height = HEIGHT, .groups = groups, .contour = {1, 1}};
   const StyRun run = {.threads = threads};
   StyError error;
   StyTraceTimes parts;

@@ -39,7 +39,7 @@ static StyImage *trace_from(StyScene *scene, const StyStand *stand) {
   StyCamera camera;
   StyImage *guide = NULL;
   StyError error = {STY_OK, ""};
-  const StyTraceOptions options = {SIDE, SIDE, ALL, false, false};
+  const StyTraceOptions options = {.width = SIDE, .height = SIDE, .groups = ALL, .contour = {1, 1}};
   if (sty_place_camera(scene, stand, SIDE, SIDE, &camera, &error) ||
       sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error))
     fail_msg("%s", error.text);
@@ -212,7 +212,7 @@ static const StyStand IN_FRONT = {.position = {0, 0, 5}, .target = {0, 0, 0}, .u
 static StyImage *trace_frame(StyScene *scene, const StyStand *stand, bool ray_frame) {
   StyCamera camera;
   StyImage *guide = NULL;
-  const StyTraceOptions options = {SIDE, SIDE, STY_GUIDE_NORMAL, false, ray_frame};
+  const StyTraceOptions options = {.width = SIDE, .height = SIDE, .groups = STY_GUIDE_NORMAL, .ray_frame = ray_frame};
   assert_int_equal(sty_place_camera(scene, stand, SIDE, SIDE, &camera, NULL), STY_OK);
   assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, NULL), STY_OK);
   return guide;
@@ -269,7 +269,7 @@ static void test_lambert(void **state) {
     StyScene *scene = open_scene();
     add_sphere(scene, 0, 0, 0, 1, 1);
     const double colour[3] = {0.9, 0.3, 0.1}, white[3] = {1, 1, 1};
-    memcpy(scene->spheres[0].material.colour, coloured ? colour : white, sizeof colour);
+    memcpy(scene->spheres[0].material.paint.colour, coloured ? colour : white, sizeof colour);
     add_sun(scene, -3, 0, -4, 2);
     scene->ambient = 0.25;
     assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
@@ -366,7 +366,7 @@ static void test_highlight(void **state) {
   (void)state;
   StyScene *scene = open_scene();
   add_sphere(scene, 0, 0, 0, 1, 1);
-  scene->spheres[0].material = (StyMaterial){.colour = {0, 0, 0}, .specular = 0.5, .shininess = 20};
+  scene->spheres[0].material = (StyMaterial){.paint = {{0, 0, 0}, -1}, .specular = 0.5, .shininess = 20};
   add_sun(scene, -3, 0, -4, 2);
   assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
   StyImage *guide = trace_from(scene, &IN_FRONT);
@@ -401,7 +401,7 @@ static void test_threads(void **state) {
   StyImage *first = NULL;
   for (int threads = 1; threads <= 4; threads++) {
     StyImage *guide = NULL;
-    const StyTraceOptions options = {SIDE, SIDE, ALL, false, false};
+    const StyTraceOptions options = {.width = SIDE, .height = SIDE, .groups = ALL, .contour = {1, 1}};
     const StyRun run = {.threads = threads};
     assert_int_equal(sty_trace_guide(scene, &camera, &options, &run, NULL, &guide, NULL), STY_OK);
     if (!first) {

@@ -28,7 +28,7 @@ static StyImage *trace(const StyScene *scene, const StyView *view, int width, in
   StyCamera camera;
   StyImage *guide = NULL;
   StyError error = {STY_OK, ""};
-  const StyTraceOptions options = {width, height, ALL, flat, false};
+  const StyTraceOptions options = {.width = width, .height = height, .groups = ALL, .flat = flat, .contour = {1, 1}};
   const StyRun run = {.threads = threads};
   if (sty_fit_camera(scene, view, width, height, &camera, &error) != STY_OK ||
       sty_trace_guide(scene, &camera, &options, &run, NULL, &guide, &error) != STY_OK)
@@ -296,10 +296,10 @@ static void test_only_what_is_asked_for(void **state) {
   StyScene *scene = read_scene(*state, CUBE_OBJ, -1);
   StyCamera camera;
   assert_int_equal(sty_fit_camera(scene, &THREE_QUARTER, 33, 17, &camera, NULL), STY_OK);
-  StyTraceTimes times = {-1, -1};
+  StyTraceTimes times = {-1, -1, -1};
   for (unsigned groups = 0; groups <= ALL; groups++) {
     StyImage *guide = NULL;
-    const StyTraceOptions options = {33, 17, groups, false, false};
+    const StyTraceOptions options = {.width = 33, .height = 17, .groups = groups, .contour = {1, 1}};
     assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, &times, &guide, NULL), STY_OK);
     assert_int_equal(guide->channel_count, 1 + 3 * (groups & 1) + (groups >> 1 & 1) + 3 * (groups >> 2 & 1) +
                                                (groups >> 3 & 1) + (groups >> 4 & 1) + 3 * (groups >> 5 & 1) +
@@ -315,8 +315,9 @@ static void test_bad_arguments(void **state) {
   StyCamera camera;
   StyImage *guide = NULL;
   assert_int_equal(sty_fit_camera(scene, &THREE_QUARTER, 8, 8, &camera, NULL), STY_OK);
-  const StyTraceOptions options = {8, 8, ALL, false, false}, empty = {0, 8, ALL, false, false},
-                        unknown = {8, 8, 1u << 20, false, false};
+  const StyTraceOptions options = {.width = 8, .height = 8, .groups = ALL},
+                        empty = {.width = 0, .height = 8, .groups = ALL},
+                        unknown = {.width = 8, .height = 8, .groups = 1u << 20};
   assert_int_equal(sty_trace_guide(scene, &camera, &empty, NULL, NULL, &guide, NULL), STY_ERROR_INPUT);
   assert_int_equal(sty_trace_guide(scene, &camera, &unknown, NULL, NULL, &guide, NULL), STY_ERROR_USAGE);
   camera.eye[1] = NAN;

@@ -187,8 +187,8 @@ static void test_lights(void **state) {
   assert_true(!scene->lights[0].is_point && scene->lights[0].intensity == 1 && scene->lights[0].direction[1] == -1);
   assert_true(scene->lights[1].is_point && scene->lights[1].intensity == 5 && scene->lights[1].position[2] == 3);
   assert_true(scene->lights[1].colour[0] == 2 && scene->ambient == 0.1 && !scene->shadows);
-  assert_true(scene->spheres[0].material.colour[1] == 0.5 && scene->spheres[0].material.specular == 0.25);
-  assert_true(scene->spheres[0].material.shininess == 32 && scene->spheres[1].material.colour[1] == 1);
+  assert_true(scene->spheres[0].material.paint.colour[1] == 0.5 && scene->spheres[0].material.specular == 0.25);
+  assert_true(scene->spheres[0].material.shininess == 32 && scene->spheres[1].material.paint.colour[1] == 1);
   sty_destroy_scene(&scene);
   scene = read_good(*state, HEAD "\"spheres\": [{}], \"lights\": []}", &viewpoint);
   assert_true(scene->ambient == 1 && scene->shadows); /* evenly lit */

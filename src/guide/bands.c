@@ -1,0 +1,92 @@
+#include "guide/bands.h"
+
+#include <pthread.h>
+#include <string.h>
+
+/* A band is of so many values at most, and of so many rows at least. */
+static const size_t BAND_VALUES = (size_t)1 << 24;
+enum { ROW_STEP = 32, MOST_ROWS = 128 };
+
+/* Rows on their way to the sink, in a thread of their own. */
+typedef struct Delivery {
+  const StyRowSink *sink;
+  StyImage *rows; /* owned; NULL: nothing is on its way */
+  pthread_t thread;
+  bool threaded;
+  StyStatus status;
+  StyError error;
+} Delivery;
+
+static void *deliver(void *context) {
+  Delivery *delivery = context;
+  delivery->status = delivery->sink->take(delivery->sink->context, delivery->rows, &delivery->error);
+  return NULL;
+}
+
+/* Waits for what is on its way. */
+static StyStatus await_delivery(Delivery *delivery, StyError *error) {
+  if (!delivery->rows) return STY_OK;
+  if (delivery->threaded) pthread_join(delivery->thread, NULL);
+  sty_destroy_image(&delivery->rows);
+  return delivery->status ? sty_fail(error, delivery->status, "%s", delivery->error.text) : STY_OK;
+}
+
+/* Takes the rows over. */
+static void start_delivery(Delivery *delivery, StyImage *rows) {
+  delivery->rows = rows;
+  delivery->threaded = pthread_create(&delivery->thread, NULL, deliver, delivery) == 0;
+  if (!delivery->threaded) deliver(delivery);
+}
+
+static int choose_rows(const StyBands *bands) {
+  size_t rows = BAND_VALUES / ((size_t)bands->width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
+  rows = rows < ROW_STEP ? ROW_STEP : rows > MOST_ROWS ? MOST_ROWS : rows;
+  return rows < (size_t)bands->height ? (int)rows : bands->height;
+}
+
+/* The run's progress, of which a band is a part. */
+typedef struct Share {
+  const StyRun *run;
+  double done, part;
+} Share;
+
+static void report_share(void *context, double done) {
+  const Share *share = context;
+  share->run->progress(share->run->context, share->done + done * share->part);
+}
+
+static StyStatus make_band(const StyBands *bands, int first, int rows, const StyRun *run, StyImage **out,
+                           StyError *error) {
+  const int top = first > bands->apron ? first - bands->apron : 0;
+  const int end = bands->height - first - rows > bands->apron ? first + rows + bands->apron : bands->height;
+  Share share = {run, (double)first / bands->height, (double)rows / bands->height};
+  const StyRun own = {sty_get_threads(run), run && run->progress ? report_share : NULL, &share};
+  StyStatus status = bands->make(bands->context, top, end - top, &own, out, error);
+  if (!status) status = sty_select_channels(out, first - top, rows, bands->groups, error);
+  if (status) sty_destroy_image(out);
+  return status;
+}
+
+StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
+                           StyError *error) {
+  const int step = choose_rows(bands);
+  const double start = sty_get_milliseconds();
+  Delivery delivery = {.sink = sink};
+  StyStatus status = STY_OK;
+  for (int first = 0; !status && first < bands->height; first += step) {
+    const int rows = bands->height - first < step ? bands->height - first : step;
+    StyImage *band = NULL;
+    status = make_band(bands, first, rows, run, &band, error);
+    if (!status && first == 0) *first_ms = sty_get_milliseconds() - start;
+    StyError cause;
+    const StyStatus delivered = await_delivery(&delivery, status ? &cause : error);
+    if (!status) status = delivered;
+    if (status)
+      sty_destroy_image(&band);
+    else
+      start_delivery(&delivery, band);
+  }
+  StyError cause;
+  const StyStatus delivered = await_delivery(&delivery, status ? &cause : error);
+  return status ? status : delivered;
+}

@@ -1,0 +1,21 @@
+/* A picture in bands of rows: while one is made, the one before is taken away. */
+#ifndef STYLUT_GUIDE_BANDS_H
+#define STYLUT_GUIDE_BANDS_H
+
+#include "guide/channels.h"
+
+typedef struct StyBands {
+  int width, height;
+  int apron;       /* rows that a band needs above and below to be right */
+  unsigned groups; /* channels that are handed on; a band may have more */
+  /* Makes rows first .. first + rows - 1, which the caller owns, on the threads of `run`. `first` is a multiple of 32,
+   * less the apron. */
+  StyStatus (*make)(void *context, int first, int rows, const StyRun *run, StyImage **out, StyError *error);
+  void *context;
+} StyBands;
+
+/* Hands all bands to the sink, in order. `first_ms`: until the first one was made. */
+StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
+                           StyError *error);
+
+#endif

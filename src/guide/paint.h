@@ -1,0 +1,17 @@
+/* The colours of surfaces: what a scene says of them, and its textures. */
+#ifndef STYLUT_GUIDE_PAINT_H
+#define STYLUT_GUIDE_PAINT_H
+
+#include "guide/rays.h"
+
+typedef struct StyPalette StyPalette;
+
+/* Opens all textures of a scene, which it refers to; the caller closes it first. `nearest`: the texel that holds a
+ * place, else bilinear. STY_ERROR_FILE and STY_ERROR_INPUT name the texture that can't be read. */
+StyStatus sty_open_palette(const StyScene *scene, bool nearest, StyPalette **out, StyError *error);
+void sty_close_palette(StyPalette **palette);
+
+/* Scene-linear diffuse reflectance at a hit whose uv is known. Thread-safe. */
+void sty_get_albedo(const StyPalette *palette, const StyHit *hit, double out[3]);
+
+#endif
