@@ -236,15 +236,16 @@ static StyStatus open_render(Render *render, const StyTraceOptions *options, Sty
   if (!render->camera->perspective) render->width /= scene->scale;
   if (!status && options->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA))
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
-  return status ? status : sty_open_tracer(scene, &render->tracer, error);
+  return status;
 }
 
 StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                          const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error) {
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyTraceTimes found = {0};
-  const double begin = sty_get_milliseconds();
   StyStatus status = open_render(&render, options, error);
+  const double begin = sty_get_milliseconds();
+  if (!status) status = sty_open_tracer(scene, &render.tracer, error);
   const double built = sty_get_milliseconds();
   const StyBands bands = {.width = options->width,
                           .height = options->height,
