@@ -66,7 +66,8 @@ typedef struct StyNotes {
  * out with a warning. luma.Y is the Rec. 709 luminance of the picture itself, alpha divided out. `name` is for
  * messages; *notes is written on success.
  * STY_ERROR_INPUT: no normals where the program has them, channels that show another of these programs, values of a
- * covered pixel that aren't finite (the message names it), what sty_place_camera refuses. STY_ERROR_USAGE: world
+ * covered pixel that aren't finite, normals beyond STY_MAX_GUIDE_VALUE or others beyond STY_MAX_COORDINATE (the message
+ * names the pixel), what sty_place_camera refuses. STY_ERROR_USAGE: world
  * space without a camera. Thread-safe. */
 StyStatus sty_import_foreign(const char *name, const StyForeignOptions *options, StyImage **image, StyNotes *notes,
                              StyError *error);

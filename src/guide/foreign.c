@@ -11,6 +11,7 @@
 
 /* Depths of misses: 1e10 and what 16-bit floats make of it, 1e30, infinity, or nothing at all. */
 static const float far_depth = 1e9f, half_maximum = 65504;
+static const double least_alpha = 1.0 / 256;
 static const float exact_ids = 16777216; /* up to here float has all integers */
 
 /* ---- what the parts share ---- */
@@ -53,15 +54,17 @@ static bool is_covered(const StyImport *import, size_t pixel) {
   return !(alpha && alpha[pixel] <= 0) && !(depth && is_miss(depth[pixel]));
 }
 
+/* Normals within what every command takes, all else within what a scene may reach to. */
 static StyStatus check_pixel(const StyImport *import, size_t pixel, StyError *error) {
   const size_t width = (size_t)import->file->width;
   for (int f = 0; f < STY_FIELDS; f++)
     for (int k = 0; k < sty_fields[f].count && sty_has_field(import, (StyField)f); k++) {
       const double value = (double)sty_get_field(import, (StyField)f, k)[pixel];
-      if (!isfinite(value))
-        return sty_fail(error, STY_ERROR_INPUT, "%s: found %s = %g at pixel (%zu, %zu), expected a finite value",
-                        import->name, import->file->names[import->places[f].channels[k]], value, pixel % width,
-                        pixel / width);
+      const double most = f == STY_FIELD_NORMAL ? (double)STY_MAX_GUIDE_VALUE : STY_MAX_COORDINATE;
+      if (!(fabs(value) <= most))
+        return sty_fail(error, STY_ERROR_INPUT,
+                        "%s: found %s = %g at pixel (%zu, %zu), expected a finite value within %g", import->name,
+                        import->file->names[import->places[f].channels[k]], value, pixel % width, pixel / width, most);
     }
   return STY_OK;
 }
@@ -209,7 +212,7 @@ static void copy_field(const StyImport *import, StyField field, const float sign
   }
 }
 
-/* Renderers multiply their pictures by alpha. */
+/* Renderers multiply their pictures by alpha; where hardly any is left, nor is a colour. */
 static void fill_luma(const StyImport *import) {
   static const double weights[3] = {0.2126, 0.7152, 0.0722};
   const float *covered = sty_find_channel(import->guide, "A");
@@ -219,7 +222,7 @@ static void fill_luma(const StyImport *import) {
     if (!(covered[i] > 0)) continue;
     sty_get_vector(import, STY_FIELD_PICTURE, i, colour);
     for (int k = 0; k < 3; k++) sum += weights[k] * colour[k];
-    luma[i] = (float)(sum / (double)covered[i]);
+    luma[i] = (float)(sum / fmax((double)covered[i], least_alpha));
   }
 }
 

@@ -96,6 +96,21 @@ static void test_values_that_are_not_finite(void **state) {
   sty_destroy_image(&guide);
 }
 
+/* What no command takes isn't taken here, either. */
+static void test_values_that_are_huge(void **state) {
+  (void)state;
+  StyImage *guide = trace_original(), *file = make_houdini(guide, 1, "Pz");
+  const int inside = find_pixel(guide, true);
+  const StyForeignOptions options = {.program = HOUDINI, .camera = &ours};
+  sty_find_channel(file, "N.Y")[inside] = -1001;
+  expect_refusal(&options, &file, STY_ERROR_INPUT, PARTS("N.Y = -1001", "within 1000"));
+  sty_find_channel(file, "N.Y")[inside] = 0;
+  sty_find_channel(file, "P.X")[inside] = 2e30f;
+  expect_refusal(&options, &file, STY_ERROR_INPUT, PARTS("P.X = 2e+30", "within 1e+30"));
+  sty_destroy_image(&file);
+  sty_destroy_image(&guide);
+}
+
 static void test_lengths(void **state) {
   (void)state;
   StyImage *guide = trace_original();
@@ -188,6 +203,7 @@ int main(void) {
       cmocka_unit_test(test_wrong_program),
       cmocka_unit_test(test_world_needs_a_camera),
       cmocka_unit_test(test_values_that_are_not_finite),
+      cmocka_unit_test(test_values_that_are_huge),
       cmocka_unit_test(test_lengths),
       cmocka_unit_test(test_guesses_are_warned_of),
       cmocka_unit_test(test_render_layers),
