@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "commands.h"
 #include "options.h"
@@ -229,12 +230,13 @@ static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&commo
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH|SCENE.json",
+    .args_doc = "sphere\nscene MESH|SCENE.json\nimport FILE ...",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
-        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.\n\n"
+        "'import' turns another program's file into a guide and has options of its own: 'stylut guide import --help'.",
     .children = children,
 };
 
@@ -416,7 +418,22 @@ static StyStatus run(Arguments *arguments) {
   return status;
 }
 
+/* Kinds that have a command line of their own. */
+static const struct {
+  const char *name;
+  StyStatus (*run)(int argc, char **argv);
+} kinds[] = {
+    {"import", run_guide_import},
+};
+
 StyStatus run_guide(int argc, char **argv) {
+  for (size_t k = 0; argc > 1 && k < sizeof kinds / sizeof *kinds; k++) {
+    static char program[32];
+    if (strcmp(argv[1], kinds[k].name) != 0) continue;
+    snprintf(program, sizeof program, "stylut guide %s", kinds[k].name);
+    argv[1] = program;
+    return kinds[k].run(argc - 1, argv + 1);
+  }
   Arguments arguments = {
       .width = 512,
       .height = 512,

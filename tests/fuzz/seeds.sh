@@ -63,6 +63,11 @@ done
 cp sphere.exr "$corpus/picture/seed-guide.exr"
 for ending in tif tga hdr jpg; do oiiotool -q sphere.png --ch R,G,B -o "$corpus/picture/seed-guide.$ending"; done
 oiiotool -q sphere.exr --tile 16 16 -o "$corpus/picture/seed-tiles.exr"
+# A file of the first program that is imported from; which one is tried goes by the size.
+blender=$corpus/picture/seed-blender.exr
+oiiotool -q sphere.exr --ch normal.X,normal.Y,normal.Z,depth.Z \
+  --chnames a.Normal.X,a.Normal.Y,a.Normal.Z,a.Depth.Z -d half -o "$blender"
+while (($(stat -c %s "$blender") % 6)); do number 1 0 >>"$blender"; done
 "$stylut" lut -q --no-history sphere.exr -s 4 -o "$corpus/picture/seed-f32.exr"
 for encoding in rg16 rg8x2 rg8; do
   "$stylut" lut -q --no-history sphere.exr -s 4 --encoding $encoding -o "$corpus/picture/seed-$encoding.png"
