@@ -27,12 +27,12 @@ static inline StyImage *trace_original(void) {
   StyImage *guide = NULL;
   const unsigned groups =
       STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_POSITION | STY_GUIDE_OBJECT | STY_GUIDE_STYLE | STY_GUIDE_ALBEDO;
-  const StyTraceOptions options = {WIDTH, HEIGHT, groups, false, false};
+  const StyTraceOptions options = {.width = WIDTH, .height = HEIGHT, .groups = groups};
   assert_int_equal(sty_create_scene(&scene, NULL), STY_OK);
   for (int s = 0; s < 2; s++) {
     StySphere sphere = {.radius = radii[s], .style = 7 * s + 3, .material = sty_white};
     memcpy(sphere.centre, centres[s], sizeof sphere.centre);
-    sphere.material.colour[s] = 0.25;
+    sphere.material.paint.colour[s] = 0.25;
     assert_int_equal(sty_add_sphere(scene, &sphere, NULL), STY_OK);
   }
   assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
