@@ -2,6 +2,7 @@
 #include "stylut/guide.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "commands.h"
 #include "options.h"
@@ -170,12 +171,15 @@ static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&commo
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH|SCENE.json",
+    .args_doc = "sphere\nscene MESH|SCENE.json\nstrokes IMAGE\nwarp PAIRS.json",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
-        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha. 'strokes' measures a picture "
+        "at "
+        "several scales, 'warp' bends one by pairs of points; they have options of their own: 'stylut guide strokes "
+        "--help', 'stylut guide warp --help'.",
     .children = children,
 };
 
@@ -279,7 +283,25 @@ static StyStatus run(Arguments *arguments) {
   return status;
 }
 
+/* Kinds that have a parser and a file of their own. */
+typedef struct Kind {
+  const char *name;
+  StyStatus (*run)(int argc, char **argv);
+} Kind;
+
+static const Kind own_kinds[] = {
+    {"strokes", run_guide_strokes},
+    {"warp", run_guide_warp},
+};
+
 StyStatus run_guide(int argc, char **argv) {
+  for (size_t k = 0; argc > 1 && k < sizeof own_kinds / sizeof *own_kinds; k++) {
+    if (strcmp(argv[1], own_kinds[k].name) != 0) continue;
+    static char program[64];
+    snprintf(program, sizeof program, "stylut guide %s", own_kinds[k].name);
+    argv[1] = program;
+    return own_kinds[k].run(argc - 1, argv + 1);
+  }
   Arguments arguments = {
       .width = 512,
       .height = 512,
