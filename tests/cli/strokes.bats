@@ -8,7 +8,7 @@ setup_file() {
   oiiotool --pattern fill:left=0,0,0:right=0.5,0.5,0.5 33x17 3 -d uint8 -o ramp.png
   oiiotool --pattern fill:topleft=0.1,0.2,0.3,1:topright=0.8,0.1,0.3,1:bottomleft=0.5,0.6,0.2,1:bottomright=0.2,0.2,0.9,0 20x13 4 \
     --chnames R,G,B,A -d float -o float.exr
-  cp "$exemplars/spheres/oil.png" oil.png
+  oiiotool --no-autopremult "$exemplars/spheres/oil.png" --cut 128x128+190+60 -o oil.png
 }
 
 @test "a ramp: orientation, detail, and no frame around it" {
@@ -26,7 +26,7 @@ setup_file() {
   accept info default.exr --format json
   expect channels "$(json - 'r.channels.map(c => c.name).sort().join()' <<<"$output")" \
     A,color.B,color.G,color.R,detail.Y,luma.Y,orientation.X,orientation.Y
-  expect size "$(json - r.size <<<"$output")" '[512,512]'
+  expect size "$(json - r.size <<<"$output")" '[128,128]'
   expect space "$(json - 'r.attributes["stylut:space"]' <<<"$output")" linear
   accept guide strokes float.exr -c line,luma --levels 3 -o some.exr
   accept info some.exr --format json
@@ -53,10 +53,10 @@ setup_file() {
   bring oil.png
   oiiotool oil.png --ch R,G,B -d float -o opaque.exr
   accept guide strokes opaque.exr --level 4 -o g.exr
-  oiiotool opaque.exr --resize:filter=box:highlightcomp=0 32x32 -o small.exr
+  oiiotool opaque.exr --resize:filter=box:highlightcomp=0 8x8 -o small.exr
   join -j 1 <(dump small.exr R,G,B | awk '{ print $1 * 16 + 8 "_" $2 * 16 + 3, $3, $4, $5 }' | sort) \
     <(dump g.exr color.R,color.G,color.B | awk '{ print $1 "_" $2, $3, $4, $5 }' | sort) >pairs.txt
-  expect 'pixels compared' "$(wc -l <pairs.txt)" 1024
+  expect 'pixels compared' "$(wc -l <pairs.txt)" 64
   expect 'pixels that differ' "$(awk 'function far(a, b) { return a - b > 1e-5 || b - a > 1e-5 } far($2, $5) || far($3, $6) || far($4, $7)' pairs.txt | head -n 3)" ''
 }
 
