@@ -115,12 +115,15 @@ static StyStatus check_output(Arguments *arguments) {
 }
 
 static StyStatus check_arguments(Arguments *arguments) {
-  static const char *const kinds[] = {"sphere", "scene", NULL};
+  static const char *const kinds[] = {"sphere", "scene", "strokes", "warp", NULL};
   StyError *error = &arguments->options.error;
   int kind;
   const char *given = arguments->kind ? arguments->kind : "";
   const StyStatus status = sty_parse_choice("guide", given, kinds, &kind, error);
   if (status) return status;
+  if (kind > 1)
+    return sty_fail(error, STY_ERROR_USAGE, "guide %s: found behind options, expected 'stylut guide %s' and then those",
+                    given, given);
   if (kind == 1 && !arguments->mesh)
     return sty_fail(error, STY_ERROR_USAGE, "guide scene: found no mesh, expected a file name");
   if (kind == 0 && arguments->mesh)

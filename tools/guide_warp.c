@@ -116,6 +116,13 @@ static void warn_of_figures(const Arguments *arguments, const StyWarpFigures *fi
          clean_text(arguments->file), 100 * get_share(figures->folded, figures->cells));
 }
 
+static void print_extreme(const char *name, double value, const int at[2]) {
+  if (at[0] < 0)
+    printf("%-11s  none: no pixel has neighbours that aren't folded\n", name);
+  else
+    printf("%-11s  at most %.4f times, at pixel (%d, %d)\n", name, value, at[0], at[1]);
+}
+
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   const StyWarpFigures *f = &account->figures;
   const double pixels = (double)arguments->width * arguments->height;
@@ -128,9 +135,8 @@ static StyStatus print_report(const Arguments *arguments, const Account *account
          account->pairs.alpha, 100 * (double)f->inside / pixels);
   printf("residual     mean %.5f  max %.5f pixels at the %d pairs inside, read bilinearly\n", f->residual_mean,
          f->residual_max, f->measured);
-  printf("stretch      at most %.4f times, at pixel (%d, %d)\n", f->stretch, f->stretch_at[0], f->stretch_at[1]);
-  printf("compression  at most %.4f times, at pixel (%d, %d)\n", f->compression, f->compression_at[0],
-         f->compression_at[1]);
+  print_extreme("stretch", f->stretch, f->stretch_at);
+  print_extreme("compression", f->compression, f->compression_at);
   printf("folded       %.2f %% of the picture\n", 100 * get_share(f->folded, f->cells));
   printf("read %.0f ms, warp %.0f ms, write %.0f ms\n", account->times[READ], account->times[WARP],
          account->times[WRITE]);

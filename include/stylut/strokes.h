@@ -20,7 +20,7 @@
  * Orientation and line say the same, for different readers. A stroke has no sign, but the thesis' vector has one: two
  * lines side by side, one light on dark and one dark on light, get opposite vectors. That does no harm to a painter,
  * who goes along and back; what compares guides by distance, or averages them, wants `line`, which is the same for both
- * and has no jump anywhere (the double-angle representation: Knutsson and Granlund 1983).
+ * and has no jump anywhere (the double-angle representation: Granlund 1978).
  *
  * The gradient is Sobel's (eq. 4.5), where all its pixels are there. Along the border and beside uncovered pixels
  * the thesis leaves open what is outside; here each of its three differences is one-sided or left out, so that neither

@@ -65,7 +65,7 @@ typedef struct StyWarpFigures {
   double residual_mean, residual_max;   /* pixels between `from` and the field's answer at `to`, read bilinearly */
   double stretch;                       /* largest length in the output of one pixel of the source */
   double compression;                   /* most pixels of the source that come to lie on one of the output, by length */
-  int stretch_at[2], compression_at[2]; /* pixels */
+  int stretch_at[2], compression_at[2]; /* pixels; -1 -1 where all is folded or there is one row or column */
   size_t cells, folded; /* 2x2 neighbourhoods; of these: where the map turns over, its Jacobian's determinant <= 0 */
 } StyWarpFigures;
 

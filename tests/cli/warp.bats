@@ -158,5 +158,7 @@ wrong() {
   refuse 1 argument guide warp -o out.exr
   refuse 1 more.json guide warp pairs.json more.json -o out.exr
   refuse 1 --level guide warp pairs.json --level 3 -o out.exr
+  refuse 1 'stylut guide warp' guide -q warp pairs.json -o out.exr
+  refuse 1 'strokes, warp' guide bend pairs.json -o out.exr
   wait
 }
