@@ -9,7 +9,7 @@ corpus=$(cd "$(dirname "$0")" && pwd)/corpus
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p "$corpus"/{bundle,index,lut,manifest,picture}
+mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture}
 rm -f "$corpus"/*/seed-*
 
 # number BYTES VALUE: little-endian
@@ -45,6 +45,16 @@ for name in short long; do
   "$stylut" pack -q "seed-$name.json" -o "$name"
   cp "$name/bundle.json" "$corpus/index/seed-$name.json"
 done
+
+# Point pairs.
+cat >"$corpus/pairs/seed-short.json" <<'END'
+{ "schema": "stylut-pairs/1", "pairs": [ { "from": [1, 2], "to": [3, 1] } ] }
+END
+cat >"$corpus/pairs/seed-long.json" <<'END'
+{ "schema": "stylut-pairs/1", "kind": "affine", "alpha": 2.5, "units": "normalized",
+  "pairs": [ { "from": [0, 0], "to": [0.1, 0.2] }, { "to": [1e-1, 1], "from": [0, 1] },
+             { "from": [1, 0], "to": [0.9, 0.1] }, { "from": [0.5, 0.5], "to": [0.4, 6e-1] } ] }
+END
 
 # Bundles, as fuzz_bundle.c reads them. Jitter keeps what lies before its texels.
 for name in short long; do
