@@ -62,6 +62,7 @@ static void report_share(void *context, double done) {
 static StyStatus open_band(const StyBands *bands, int rows, StyImage **spare, StyGuide *out, StyError *error) {
   if (!*spare || (*spare)->height != rows) return sty_create_guide(bands->width, rows, bands->groups, out, error);
   *out = sty_view_guide(*spare, bands->groups);
+  sty_clear_guide(out);
   *spare = NULL;
   return STY_OK;
 }

@@ -93,6 +93,11 @@ StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out
   return STY_OK;
 }
 
+void sty_clear_guide(const StyGuide *guide) {
+  memset(guide->image->data, 0, (size_t)guide->image->channel_count * sty_count_pixels(guide->image) * sizeof(float));
+  set_misses(guide);
+}
+
 StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned groups, StyError *error) {
   StyGuide guide;
   int channels = 1;
@@ -117,11 +122,4 @@ void sty_set_sample(const StyGuide *guide, size_t pixel, const StySample *sample
     const double *values = (const double *)(const void *)((const char *)sample + info->field);
     for (int c = 0; c < info->count; c++) guide->groups[g].planes[c][pixel] = (float)values[c];
   }
-}
-
-void sty_set_miss(const StyGuide *guide, size_t pixel) {
-  guide->coverage[pixel] = 0;
-  for (int g = 0; g < guide->group_count; g++)
-    for (int c = 0; c < guide->groups[g].info->count; c++)
-      guide->groups[g].planes[c][pixel] = guide->groups[g].info->miss;
 }

@@ -32,33 +32,29 @@ typedef struct Render {
   unsigned groups; /* what is asked for, and what that takes */
   unsigned parts;  /* StyHitPart */
   double width;    /* of a pixel at depth 1, or at any for an orthographic camera; scene units */
-  double *film;    /* coordinates of all columns, then of all rows */
 } Render;
 
 /* ---- pixels ---- */
 
-static StyStatus measure_film(Render *render, StyError *error) {
-  const int width = render->options->width, height = render->options->height;
-  /* Blocks at the borders reach beyond. */
-  const size_t count = (size_t)width + (size_t)height + BLOCK_WIDTH + BLOCK_HEIGHT;
-  render->film = malloc(count * sizeof *render->film);
-  if (!render->film) return sty_fail_memory(error, "film", (double)(count * sizeof *render->film));
-  double *columns = render->film, *rows = render->film + width + BLOCK_WIDTH;
-  for (int x = 0; x < width + BLOCK_WIDTH; x++) columns[x] = ((x + 0.5) / width * 2 - 1) * render->camera->half_width;
-  for (int y = 0; y < height + BLOCK_HEIGHT; y++) rows[y] = (1 - (y + 0.5) / height * 2) * render->camera->half_height;
-  return STY_OK;
-}
+/* Film coordinates along a side of `count` pixels, from -half to half. */
+static double get_film(int pixel, int count, double half) { return ((pixel + 0.5) / count * 2 - 1) * half; }
 
-static StyRay make_ray(const Render *render, int x, int y) {
+/* The rays of a block: the film's point moves, and with it their origins or their directions. */
+static void make_rays(const Render *render, int x0, int y0, StyRays *rays) {
   const StyCamera *camera = render->camera;
-  const double s = render->film[x], t = render->film[render->options->width + BLOCK_WIDTH + y];
-  StyRay ray;
-  for (int k = 0; k < 3; k++) {
-    const double film = s * camera->right[k] + t * camera->up[k];
-    ray.origin[k] = camera->perspective ? camera->eye[k] : camera->eye[k] + film + START_SLACK * camera->back[k];
-    ray.direction[k] = camera->perspective ? film - camera->back[k] : -camera->back[k];
+  double s[STY_RAYS], t[STY_RAYS];
+  for (int i = 0; i < STY_RAYS; i++) {
+    s[i] = get_film(x0 + i % BLOCK_WIDTH, render->options->width, camera->half_width);
+    t[i] = -get_film(y0 + i / BLOCK_WIDTH, render->options->height, camera->half_height);
   }
-  return ray;
+  for (int k = 0; k < 3; k++) {
+    const double eye = camera->eye[k], back = camera->back[k], start = eye + START_SLACK * back;
+    for (int i = 0; i < STY_RAYS; i++) {
+      const double film = s[i] * camera->right[k] + t[i] * camera->up[k];
+      rays->origin[k][i] = camera->perspective ? eye : start + film;
+      rays->direction[k][i] = camera->perspective ? film - back : -back;
+    }
+  }
 }
 
 static void bend_to_horizon(const double direction[3], double normal[3]) {
@@ -71,9 +67,10 @@ static void bend_to_horizon(const double direction[3], double normal[3]) {
 }
 
 /* The axes that are relative to a ray. */
-static void turn_axes(const StyCamera *camera, const StyRay *ray, double right[3], double up[3], double back[3]) {
+static void turn_axes(const StyCamera *camera, const double direction[3], double right[3], double up[3],
+                      double back[3]) {
   memcpy(right, camera->right, 3 * sizeof *right);
-  for (int k = 0; k < 3; k++) back[k] = -ray->direction[k];
+  for (int k = 0; k < 3; k++) back[k] = -direction[k];
   normalize_vector(back);
   const double along = dot_vectors(right, back);
   for (int k = 0; k < 3; k++) right[k] -= along * back[k];
@@ -81,18 +78,18 @@ static void turn_axes(const StyCamera *camera, const StyRay *ray, double right[3
   cross_vectors(back, right, up);
 }
 
-static void shade_normal(const Render *render, const StyHit *hit, const StyRay *ray, double out[3]) {
+static void shade_normal(const Render *render, const StyHit *hit, const double direction[3], double out[3]) {
   double normal[3], right[3], up[3], back[3];
   if (render->options->flat) {
     memcpy(normal, hit->facet, sizeof normal);
     normalize_vector(normal);
   } else {
     memcpy(normal, hit->shading, sizeof normal);
-    bend_to_horizon(ray->direction, normal);
+    bend_to_horizon(direction, normal);
   }
   const StyCamera *camera = render->camera;
   const bool turned = render->options->ray_frame && camera->perspective;
-  if (turned) turn_axes(camera, ray, right, up, back);
+  if (turned) turn_axes(camera, direction, right, up, back);
   out[0] = dot_vectors(normal, turned ? right : camera->right);
   out[1] = dot_vectors(normal, turned ? up : camera->up);
   out[2] = dot_vectors(normal, turned ? back : camera->back);
@@ -108,7 +105,7 @@ static void shade_place(const Render *render, const StyHit *hit, StySample *samp
   sample->depth = -dot_vectors(from_eye, render->camera->back) / scene->scale;
 }
 
-/* Where a point of trace space is on the film, in pixels; false: behind the camera. The inverse of make_ray. */
+/* Where a point of trace space is on the film, in pixels; false: behind the camera. The inverse of make_rays. */
 static bool project(const StyCamera *camera, const StyTraceOptions *options, const double at[3], double pixel[2]) {
   double from[3];
   subtract_vectors(at, camera->eye, from);
@@ -137,7 +134,8 @@ static void shade_hit(const Render *render, const StyBlock *block, int i, const 
   sample.style = hit->style;
   sample.luma = block->luma[i];
   if (render->palette) memcpy(sample.albedo, block->albedo[i], sizeof sample.albedo);
-  if (render->groups & STY_GUIDE_NORMAL) shade_normal(render, hit, &block->rays[i], sample.normal);
+  const StyRay ray = sty_get_ray(&block->rays, i);
+  if (render->groups & STY_GUIDE_NORMAL) shade_normal(render, hit, ray.direction, sample.normal);
   if (render->groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, hit, &sample);
   if (render->groups & STY_GUIDE_UV) memcpy(sample.uv, hit->uv, sizeof sample.uv);
   if (render->groups & STY_GUIDE_CURVATURE) sample.curvature = hit->curvature * render->scene->scale;
@@ -161,20 +159,16 @@ static void trace_block(const Band *band, int x0, int y0) {
   for (int i = 0; i < STY_RAYS; i++) {
     const int x = x0 + i % BLOCK_WIDTH, y = y0 + i / BLOCK_WIDTH;
     block.valid[i] = x < width && y < render->options->height ? -1 : 0;
-    block.rays[i] = make_ray(render, x, y);
   }
-  sty_trace_rays(render->tracer, block.rays, true, render->parts, block.valid, block.hits);
+  make_rays(render, x0, y0, &block.rays);
+  if (!sty_trace_rays(render->tracer, &block.rays, true, render->parts, block.valid, block.hits)) return;
   for (int i = 0; i < STY_RAYS; i++)
     if (block.valid[i] && render->palette) sty_get_albedo(render->palette, &block.hits[i], block.albedo[i]);
   if (render->groups & STY_GUIDE_LUMA) sty_light_block(render->scene, render->tracer, &block);
   for (int i = 0; i < STY_RAYS; i++) {
     const int x = x0 + i % BLOCK_WIDTH, row = y0 + i / BLOCK_WIDTH - band->first;
-    if (x >= width || row >= band->guide->image->height) continue;
-    const size_t pixel = (size_t)row * (size_t)width + (size_t)x;
-    if (block.valid[i])
-      shade_hit(render, &block, i, band->guide, pixel);
-    else
-      sty_set_miss(band->guide, pixel);
+    if (block.valid[i] && row < band->guide->image->height)
+      shade_hit(render, &block, i, band->guide, (size_t)row * (size_t)width + (size_t)x);
   }
 }
 
@@ -232,7 +226,7 @@ static StyStatus check_options(const StyScene *scene, const StyTraceOptions *opt
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
   const bool textured = scene->texture_count > 0 && groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA);
-  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_LUMA)) parts |= STY_HIT_SHADING;
+  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_LUMA | STY_GUIDE_CURVATURE)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
   return parts;
@@ -248,7 +242,6 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
   render->parts = get_parts(render->groups, scene);
   render->width = 2 * render->camera->half_height / options->height;
   if (!render->camera->perspective) render->width /= scene->scale;
-  if (!status) status = measure_film(render, error);
   if (!status && options->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA))
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
   const double start = sty_get_milliseconds();
@@ -260,7 +253,6 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
 static void close_render(Render *render) {
   sty_close_tracer(&render->tracer);
   sty_close_palette(&render->palette);
-  free(render->film);
 }
 
 StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
