@@ -1,5 +1,6 @@
 #include "guide/flow_audit.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -22,30 +23,31 @@ typedef struct Audit {
 
 static float clamp(float value, float top) { return value < 0 ? 0 : value > top ? top : value; }
 
-/* Mean differences between the window of (x, y) and that at its motion's end (clamped to the
- * picture), and the least of those a pixel around it. */
-static void measure_fit(const Audit *audit, int x, int y, const StyFlowVector *vector, float *mean, float *around) {
+/* Mean difference between the window of (x, y) and that at its motion's end (clamped to the
+ * picture), and whether another one a pixel from there fits as well. */
+static float measure_fit(const Audit *audit, int x, int y, const StyFlowVector *vector, bool *ambiguous) {
   const StyFlowPicture *previous = &audit->level->pictures[1];
   const int r = audit->rules->radius, side = 2 * r + 3;
   const StyFlowPlace place = sty_find_flow_place(clamp((float)x + vector->u, (float)(previous->width - 1)),
                                                  clamp((float)y + vector->v, (float)(previous->height - 1)));
   StyLanes patch[STY_FLOW_MOST_PATCH];
   sty_sample_flow_window(previous, &place, r + 1, patch);
-  *around = INFINITY;
-  for (int k = 0; k < 9; k++) {
-    const StyLanes *sampled = patch + k / 3 * side + k % 3;
-    const float found = sty_compare_flow_window(audit->level, audit->rules, x, y, sampled, side);
-    if (k == 4)
-      *mean = found;
-    else
-      *around = fminf(*around, found);
+  const StyLanes *here = patch + side + 1;
+  const float mean = sty_compare_flow_window(audit->level, audit->rules, x, y, here, side, FLT_MAX);
+  const float limit = mean + audit->rules->tolerance;
+  *ambiguous = false;
+  for (int k = 0; k < 9 && !*ambiguous; k++) {
+    if (k == 4) continue;
+    const StyLanes *other = patch + k / 3 * side + k % 3;
+    *ambiguous = sty_compare_flow_window(audit->level, audit->rules, x, y, other, side, limit) <= limit;
   }
+  return mean;
 }
 
 static void audit_pixel(const Audit *audit, int x, int y, size_t p, Tally *tally) {
   const StyFlowVector *vector = &audit->level->vectors[p];
-  float mean, around;
-  measure_fit(audit, x, y, vector, &mean, &around);
+  bool ambiguous;
+  const float mean = measure_fit(audit, x, y, vector, &ambiguous);
   const bool untextured = sty_measure_flow_texture(audit->level, audit->rules, x, y) <= audit->rules->tolerance;
   const double length = sqrt((double)vector->u * (double)vector->u + (double)vector->v * (double)vector->v);
   audit->planes.covered[p] = 1;
@@ -57,7 +59,7 @@ static void audit_pixel(const Audit *audit, int x, int y, size_t p, Tally *tally
   tally->matched += vector->origin == 1;
   tally->inherited += vector->origin > 1;
   tally->untextured += untextured;
-  tally->ambiguous += untextured || around <= mean + audit->rules->tolerance;
+  tally->ambiguous += untextured || ambiguous;
   tally->motion += length;
   tally->max_motion = fmax(tally->max_motion, length);
   tally->residual += (double)mean;

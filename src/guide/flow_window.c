@@ -26,7 +26,7 @@ float sty_measure_flow_offset(const StyFlowLevel *level, const StyFlowRules *rul
   const int r = rules->radius;
   const StyLanes *a = sty_get_flow_pixel(&level->pictures[0], x, y);
   const StyLanes *b = sty_get_flow_pixel(&level->pictures[1], x + u, y + v);
-  const StyLanes base = rules->method == STY_FLOW_PUBLISHED ? *a - *b : sty_spread_lanes(0);
+  const StyLanes base = *a - *b;
   StyLanes sum = sty_spread_lanes(0);
   float mean = 0;
   for (int j = -r; j <= r && mean <= limit; j++) {
@@ -49,14 +49,16 @@ float sty_measure_flow_texture(const StyFlowLevel *level, const StyFlowRules *ru
 }
 
 float sty_compare_flow_window(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y,
-                              const StyLanes *sampled, int side) {
+                              const StyLanes *sampled, int side, float limit) {
   const int r = rules->radius;
   StyLanes sum = sty_spread_lanes(0);
-  for (int j = -r; j <= r; j++, sampled += side) {
+  float mean = 0;
+  for (int j = -r; j <= r && mean <= limit; j++, sampled += side) {
     const StyLanes *p = sty_get_flow_pixel(&level->pictures[0], x - r, y + j);
     for (int i = 0; i <= 2 * r; i++) sum += sty_get_magnitude(p[i] - sampled[i]);
+    mean = sty_add_lanes(sum) * rules->scale;
   }
-  return sty_add_lanes(sum) * rules->scale;
+  return mean;
 }
 
 /* ---- below the pixel ------------------------------------------------------------ */
@@ -105,7 +107,7 @@ float sty_refine_flow(const StyFlowLevel *level, const StyFlowRules *rules, int 
     if (!sty_is_inside(&level->pictures[1], (float)x + u, (float)y + v)) return least;
     const StyFlowPlace place = sty_find_flow_place((float)x + u, (float)y + v);
     sty_sample_flow_window(&level->pictures[1], &place, rules->radius, window);
-    const float mean = sty_compare_flow_window(level, rules, x, y, window, 2 * rules->radius + 1);
+    const float mean = sty_compare_flow_window(level, rules, x, y, window, 2 * rules->radius + 1, least);
     if (mean >= least) return least;
     least = mean;
     *vector = (StyFlowVector){u, v, vector->origin};

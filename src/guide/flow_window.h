@@ -36,17 +36,17 @@ StyFlowPlace sty_find_flow_place(float x, float y);
 void sty_sample_flow_window(const StyFlowPicture *picture, const StyFlowPlace *place, int radius, StyLanes *out);
 
 /* Mean difference between the window around (x, y) of this frame and that around (x + u, y + v) of
- * the previous one; as published, of the differences to the windows' centres. Anything above `limit` once
- * that is certain. */
+ * the previous one, each less the colour of its centre. Anything above `limit` once that is certain. */
 float sty_measure_flow_offset(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, int u, int v,
                               float limit);
 
 /* Mean difference between the window's pixels and its centre. */
 float sty_measure_flow_texture(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y);
 
-/* Mean difference between this frame's window around (x, y) and a sampled one, whose rows are `side` pixels apart. */
+/* Mean difference between this frame's window around (x, y) and a sampled one, whose rows are
+ * `side` pixels apart; `limit` as above. */
 float sty_compare_flow_window(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y,
-                              const StyLanes *sampled, int side);
+                              const StyLanes *sampled, int side, float limit);
 
 /* Moves a match by less than a pixel to where the windows are most alike, if that is any better;
  * their mean difference then. */
