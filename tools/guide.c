@@ -2,6 +2,7 @@
 #include "stylut/guide.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "commands.h"
 #include "options.h"
@@ -170,12 +171,13 @@ static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&commo
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH|SCENE.json",
+    .args_doc = "sphere\nscene MESH|SCENE.json\nflow A B",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
-        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha. 'flow' finds the motion "
+        "from picture A to picture B; it has options of its own: 'stylut guide flow --help'.",
     .children = children,
 };
 
@@ -279,7 +281,24 @@ static StyStatus run(Arguments *arguments) {
   return status;
 }
 
+/* Kinds that have a parser and a file of their own. */
+typedef struct Kind {
+  const char *name;
+  StyStatus (*run)(int argc, char **argv);
+} Kind;
+
+static const Kind own_kinds[] = {
+    {"flow", run_guide_flow},
+};
+
 StyStatus run_guide(int argc, char **argv) {
+  for (size_t k = 0; argc > 1 && k < sizeof own_kinds / sizeof *own_kinds; k++) {
+    if (strcmp(argv[1], own_kinds[k].name) != 0) continue;
+    static char program[64];
+    snprintf(program, sizeof program, "stylut guide %s", own_kinds[k].name);
+    argv[1] = program;
+    return own_kinds[k].run(argc - 1, argv + 1);
+  }
   Arguments arguments = {
       .width = 512,
       .height = 512,

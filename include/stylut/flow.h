@@ -103,6 +103,10 @@ typedef struct StyFlowError {
   double relative;         /* mean end-point error by mean_truth: 1 is what rest would get; 0 where nothing moves */
 } StyFlowError;
 
+/* Checks options, sizes and channels as sty_estimate_flow does, and fills levels, radius and channels. */
+StyStatus sty_plan_flow(const char *const names[2], const StyImage *frame, const StyImage *previous,
+                        const StyFlowOptions *options, StyFlowFigures *figures, StyError *error);
+
 /* How far a motion is off the true one, over pixels that both cover; both have channels motion.U
  * and motion.V (without A all is covered). `names` are of found and truth. STY_ERROR_INPUT: no
  * motion, sizes differ, a motion that isn't finite or beyond 1e6 pixels, nothing covered by both. */

@@ -102,19 +102,64 @@ static StyFlowRules make_rules(const StyFlowOptions *options, int lanes) {
                         .tolerance = (float)options->tolerance};
 }
 
-/* One direction: `images` and `names` are of the frame and of where it is looked for. */
-static StyStatus estimate(const char *const names[2], const StyImage *const images[2], const StyFlowOptions *options,
-                          const StyRun *run, double begin, double share, StyFlowRules *rules, StyFlowFigures *figures,
-                          StyFlowPyramid *out, StyError *error) {
-  const float *planes[2][STY_FLOW_MOST_CHANNELS] = {{NULL}};
+/* What an estimate is made of, one way or back. */
+typedef struct Plan {
+  const char *names[2];
+  const StyImage *images[2];
+  const float *planes[2][STY_FLOW_MOST_CHANNELS];
+  int level_count;
+  StyFlowRules rules;
+} Plan;
+
+static StyStatus make_plan(const char *const names[2], const StyImage *frame, const StyImage *previous,
+                           const StyFlowOptions *options, Plan *out, StyFlowFigures *figures, StyError *error) {
+  *out = (Plan){.names = {names[0], names[1]}, .images = {frame, previous}};
   int lanes = 0;
-  StyStatus status =
-      sty_choose_flow_channels(names, images, options->channels, planes, &lanes, figures->channels, error);
+  StyStatus status = check_options(options, error);
+  if (!status && (frame->width != previous->width || frame->height != previous->height))
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, and %s has %dx%d, expected one size", names[0],
+                      frame->width, frame->height, names[1], previous->width, previous->height);
+  if (!status)
+    status =
+        sty_choose_flow_channels(names, out->images, options->channels, out->planes, &lanes, figures->channels, error);
   if (status) return status;
-  *rules = make_rules(options, lanes);
-  status = sty_build_flow_pyramid(names, images, planes, lanes, options->levels, rules->radius + STY_FLOW_MARGIN, out,
-                                  error);
-  return status ? status : estimate_levels(out, rules, run, begin, share, error);
+  out->rules = make_rules(options, lanes);
+  out->level_count = sty_count_flow_levels(frame->width, frame->height, options->levels);
+  figures->levels = out->level_count;
+  figures->radius = out->rules.radius;
+  return STY_OK;
+}
+
+StyStatus sty_plan_flow(const char *const names[2], const StyImage *frame, const StyImage *previous,
+                        const StyFlowOptions *options, StyFlowFigures *figures, StyError *error) {
+  StyFlowFigures planned = {0};
+  Plan plan;
+  const StyStatus status = make_plan(names, frame, previous, options, &plan, &planned, error);
+  if (!status) *figures = planned;
+  return status;
+}
+
+static StyStatus follow_plan(Plan *plan, const StyRun *run, double begin, double share, StyFlowPyramid *out,
+                             StyError *error) {
+  const StyStatus status = sty_build_flow_pyramid(plan->names, plan->images, plan->planes, plan->rules.lanes,
+                                                  plan->level_count, plan->rules.radius + STY_FLOW_MARGIN, out, error);
+  return status ? status : estimate_levels(out, &plan->rules, run, begin, share, error);
+}
+
+/* The same with the pictures' parts swapped. */
+static StyStatus estimate_back(const Plan *plan, const StyRun *run, const StyFlowPyramid *forward, StyImage *flow,
+                               StyFlowFigures *figures, StyError *error) {
+  Plan swapped = *plan;
+  StyFlowPyramid back = {0};
+  for (int i = 0; i < 2; i++) {
+    swapped.names[i] = plan->names[1 - i];
+    swapped.images[i] = plan->images[1 - i];
+    for (int c = 0; c < STY_FLOW_MOST_CHANNELS; c++) swapped.planes[i][c] = plan->planes[1 - i][c];
+  }
+  const StyStatus status = follow_plan(&swapped, run, 0.5, 0.5, &back, error);
+  if (!status) sty_compare_flow_back(&forward->levels[0], &back.levels[0], flow, figures);
+  sty_close_flow_pyramid(&back);
+  return status;
 }
 
 static StyStatus create_flow(const StyImage *frame, bool consistency, StyImage **out, StyError *error) {
@@ -122,38 +167,18 @@ static StyStatus create_flow(const StyImage *frame, bool consistency, StyImage *
   return sty_create_image(frame->width, frame->height, consistency ? 6 : 5, names, 32, out, error);
 }
 
-static StyStatus estimate_back(const char *const names[2], const StyImage *const images[2],
-                               const StyFlowOptions *options, const StyRun *run, const StyFlowPyramid *forward,
-                               StyFlowFigures *figures, StyImage *flow, StyError *error) {
-  const char *const swapped_names[2] = {names[1], names[0]};
-  const StyImage *const swapped[2] = {images[1], images[0]};
-  StyFlowFigures unused;
-  StyFlowRules rules;
-  StyFlowPyramid back = {0};
-  StyStatus status = estimate(swapped_names, swapped, options, run, 0.5, 0.5, &rules, &unused, &back, error);
-  if (!status) sty_compare_flow_back(&forward->levels[0], &back.levels[0], flow, figures);
-  sty_close_flow_pyramid(&back);
-  return status;
-}
-
 StyStatus sty_estimate_flow(const char *const names[2], const StyImage *frame, const StyImage *previous,
                             const StyFlowOptions *options, const StyRun *run, StyFlowFigures *figures, StyImage **out,
                             StyError *error) {
-  const StyImage *const images[2] = {frame, previous};
   StyFlowPyramid pyramid = {0};
   StyFlowFigures found = {0};
-  StyFlowRules rules = {0};
   StyImage *flow = NULL;
-  StyStatus status = check_options(options, error);
-  if (!status && (frame->width != previous->width || frame->height != previous->height))
-    status = sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, and %s has %dx%d, expected one size", names[0],
-                      frame->width, frame->height, names[1], previous->width, previous->height);
-  if (!status)
-    status = estimate(names, images, options, run, 0, options->consistency ? 0.5 : 1, &rules, &found, &pyramid, error);
+  Plan plan;
+  StyStatus status = make_plan(names, frame, previous, options, &plan, &found, error);
+  if (!status) status = follow_plan(&plan, run, 0, options->consistency ? 0.5 : 1, &pyramid, error);
   if (!status) status = create_flow(frame, options->consistency, &flow, error);
-  if (!status) status = sty_audit_flow(&pyramid, &rules, run, flow, &found, error);
-  if (!status && options->consistency)
-    status = estimate_back(names, images, options, run, &pyramid, &found, flow, error);
+  if (!status) status = sty_audit_flow(&pyramid.levels[0], &plan.rules, run, flow, &found, error);
+  if (!status && options->consistency) status = estimate_back(&plan, run, &pyramid, flow, &found, error);
   sty_close_flow_pyramid(&pyramid);
   if (status) {
     sty_destroy_image(&flow);

@@ -102,18 +102,16 @@ static void add_tallies(const Tally *tallies, int count, StyFlowFigures *figures
   figures->mean_residual = all.residual * by;
 }
 
-StyStatus sty_audit_flow(const StyFlowPyramid *pyramid, const StyFlowRules *rules, const StyRun *run, StyImage *flow,
+StyStatus sty_audit_flow(const StyFlowLevel *level, const StyFlowRules *rules, const StyRun *run, StyImage *flow,
                          StyFlowFigures *figures, StyError *error) {
   const Planes planes = {sty_find_channel(flow, "A"), sty_find_channel(flow, "motion.U"),
                          sty_find_channel(flow, "motion.V"), sty_find_channel(flow, "residual.Y"),
                          sty_find_channel(flow, "origin.I")};
-  const Audit audit = {&pyramid->levels[0], rules, planes, calloc((size_t)flow->height, sizeof(Tally))};
+  const Audit audit = {level, rules, planes, calloc((size_t)flow->height, sizeof(Tally))};
   if (!audit.tallies) return sty_fail_memory(error, "flow", (double)flow->height * sizeof(Tally));
   const StyRun quiet = {sty_get_threads(run), NULL, NULL};
   const StyStatus status = sty_parallel_for(&quiet, flow->height, audit_row, (void *)&audit, error);
   if (!status) add_tallies(audit.tallies, flow->height, figures);
-  figures->levels = pyramid->count;
-  figures->radius = rules->radius;
   free(audit.tallies);
   return status;
 }

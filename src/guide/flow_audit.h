@@ -4,8 +4,8 @@
 
 #include "guide/flow_window.h"
 
-/* Writes A, motion, residual and origin of the finest level into `flow` and counts them. */
-StyStatus sty_audit_flow(const StyFlowPyramid *pyramid, const StyFlowRules *rules, const StyRun *run, StyImage *flow,
+/* Writes A, motion, residual and origin of `level`, the finest, into `flow` and counts them. */
+StyStatus sty_audit_flow(const StyFlowLevel *level, const StyFlowRules *rules, const StyRun *run, StyImage *flow,
                          StyFlowFigures *figures, StyError *error);
 
 /* Writes consistency.Y: how far from home there and back ends. */

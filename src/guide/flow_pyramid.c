@@ -92,7 +92,7 @@ static void halve_coverage(const StyFlowLevel *fine, const StyFlowLevel *coarse)
 }
 
 /* Down to a longer side of 16 pixels: below, a window is most of the picture. */
-static int count_levels(int width, int height, int wanted) {
+int sty_count_flow_levels(int width, int height, int wanted) {
   const int least = wanted ? 2 : 32; /* longer side of a level that has one below */
   const int most = wanted ? wanted : STY_FLOW_MOST_LEVELS;
   int count = 1;
@@ -105,7 +105,7 @@ StyStatus sty_build_flow_pyramid(const char *const names[2], const StyImage *con
                                  StyFlowPyramid *out, StyError *error) {
   int width = images[0]->width, height = images[0]->height;
   StyStatus status = STY_OK;
-  *out = (StyFlowPyramid){.count = count_levels(width, height, levels), .lanes = lanes};
+  *out = (StyFlowPyramid){.count = levels, .lanes = lanes};
   for (int l = 0; !status && l < out->count; l++) {
     StyFlowLevel *level = &out->levels[l];
     status = create_level(l, width, height, margin, level, error);

@@ -114,7 +114,7 @@ float sty_refine_flow(const StyFlowLevel *level, const StyFlowRules *rules, int 
     if (step == STEPS || mean == 0) return least;
     const Equations equations = sum_equations(level, rules->radius, x, y, window);
     float du, dv;
-    if (!solve_equations(&equations, &du, &dv) || fabsf(du) > 1 || fabsf(dv) > 1) return least;
+    if (!solve_equations(&equations, &du, &dv) || !(fabsf(du) <= 1 && fabsf(dv) <= 1)) return least;
     u += du;
     v += dv;
   }
