@@ -30,9 +30,9 @@ extern "C" {
 #define STY_FLOW_MOST_VALUE 65504.0f
 
 typedef enum StyFlowMethod {
-  /* Each level searches around what the coarser one found; colours are compared themselves; matches
-   * are refined below the pixel (Lucas and Kanade 1981) and outliers taken out by a 3x3 median (Sun,
-   * Roth and Black 2010). */
+  /* Each level searches around what the coarser one found, too, two pixels far; levels are smoothed
+   * before they are halved (weights 1 3 3 1); colours are compared themselves; matches are refined below
+   * the pixel (Lucas and Kanade 1981), and a 3x3 median takes outliers out (Sun, Roth and Black 2010). */
   STY_FLOW_COARSE_TO_FINE,
   /* As published: each level searches on its own, around rest; differences to the window's centre
    * are compared; a match is averaged with the coarser level's. */
@@ -41,9 +41,10 @@ typedef enum StyFlowMethod {
 
 typedef struct StyFlowOptions {
   StyFlowMethod method;
-  int levels; /* 1 .. STY_FLOW_MOST_LEVELS; 0: down to a longer side of 16 pixels. n levels reach 2^n - 1 pixels */
-  int radius; /* of the window, pixels of each level: 1 (the 8 neighbours) .. STY_FLOW_MOST_RADIUS; 0: 1 as
-                 published, else 2 */
+  int levels;           /* 1 .. STY_FLOW_MOST_LEVELS; n reach 2^n - 1 pixels, coarse to fine twice that; 0: down
+                           to a longer side below 16 pixels */
+  int radius;           /* of the window, pixels of each level: 1 (the 8 neighbours) .. STY_FLOW_MOST_RADIUS; 0: 1 as
+                           published, else 2 */
   double threshold;     /* mean absolute difference, in levels of 1/255, up to which windows match */
   double tolerance;     /* the same, below which windows are equally good, or have no texture */
   const char *channels; /* comma-separated, at most STY_FLOW_MOST_CHANNELS; a name without a dot stands for all channels

@@ -142,7 +142,8 @@ StyStatus sty_plan_flow(const char *const names[2], const StyImage *frame, const
 static StyStatus follow_plan(Plan *plan, const StyRun *run, double begin, double share, StyFlowPyramid *out,
                              StyError *error) {
   const StyStatus status = sty_build_flow_pyramid(plan->names, plan->images, plan->planes, plan->rules.lanes,
-                                                  plan->level_count, plan->rules.radius + STY_FLOW_MARGIN, out, error);
+                                                  plan->level_count, plan->rules.radius + STY_FLOW_MARGIN,
+                                                  plan->rules.method == STY_FLOW_COARSE_TO_FINE, out, error);
   return status ? status : estimate_levels(out, &plan->rules, run, begin, share, error);
 }
 

@@ -71,7 +71,7 @@ static StyStatus fill_picture(const char *name, const StyImage *image, const flo
 }
 
 /* Equation 4.2; where a side is odd, the last pixel is the mean of those that are there. */
-static void halve_picture(const StyFlowPicture *fine, const StyFlowPicture *coarse) {
+static void halve_by_box(const StyFlowPicture *fine, const StyFlowPicture *coarse) {
   for (int y = 0; y < coarse->height; y++) {
     const int below = 2 * y + 1 < fine->height ? 2 * y + 1 : 2 * y;
     const StyLanes *upper = get_row(fine, 2 * y), *lower = get_row(fine, below);
@@ -79,6 +79,22 @@ static void halve_picture(const StyFlowPicture *fine, const StyFlowPicture *coar
     for (int x = 0; x < coarse->width; x++) {
       const int left = 2 * x, right = left + 1 < fine->width ? left + 1 : left;
       at[x] = 0.25f * ((upper[left] + upper[right]) + (lower[left] + lower[right]));
+    }
+  }
+}
+
+/* Over 4x4 pixels, weights 1 3 3 1: a box lets details through that look different on the coarser
+ * level wherever they moved by anything but its whole pixels. */
+static void halve_smoothly(const StyFlowPicture *fine, const StyFlowPicture *coarse) {
+  for (int y = 0; y < coarse->height; y++) {
+    StyLanes *at = get_row(coarse, y);
+    for (int x = 0; x < coarse->width; x++) {
+      StyLanes rows[4];
+      for (int j = 0; j < 4; j++) {
+        const StyLanes *p = sty_get_flow_pixel(fine, 2 * x - 1, 2 * y - 1 + j);
+        rows[j] = 0.125f * (p[0] + p[3]) + 0.375f * (p[1] + p[2]);
+      }
+      at[x] = 0.125f * (rows[0] + rows[3]) + 0.375f * (rows[1] + rows[2]);
     }
   }
 }
@@ -91,9 +107,9 @@ static void halve_coverage(const StyFlowLevel *fine, const StyFlowLevel *coarse)
         coarse->covered[(size_t)(y / 2) * (size_t)coarse_width + (size_t)(x / 2)] = 1;
 }
 
-/* Down to a longer side of 16 pixels: below, a window is most of the picture. */
+/* Down to a longer side below 16 pixels: then a window is most of the picture. */
 int sty_count_flow_levels(int width, int height, int wanted) {
-  const int least = wanted ? 2 : 32; /* longer side of a level that has one below */
+  const int least = wanted ? 2 : 16; /* longer side of a level that has one below */
   const int most = wanted ? wanted : STY_FLOW_MOST_LEVELS;
   int count = 1;
   for (int side = width > height ? width : height; count < most && side >= least; count++) side = (side + 1) / 2;
@@ -102,7 +118,7 @@ int sty_count_flow_levels(int width, int height, int wanted) {
 
 StyStatus sty_build_flow_pyramid(const char *const names[2], const StyImage *const images[2],
                                  const float *planes[2][STY_FLOW_MOST_CHANNELS], int lanes, int levels, int margin,
-                                 StyFlowPyramid *out, StyError *error) {
+                                 bool smooth, StyFlowPyramid *out, StyError *error) {
   int width = images[0]->width, height = images[0]->height;
   StyStatus status = STY_OK;
   *out = (StyFlowPyramid){.count = levels, .lanes = lanes};
@@ -114,7 +130,7 @@ StyStatus sty_build_flow_pyramid(const char *const names[2], const StyImage *con
         status =
             fill_picture(names[i], images[i], planes[i], lanes, &level->pictures[i], i ? NULL : level->covered, error);
       else
-        halve_picture(&level[-1].pictures[i], &level->pictures[i]);
+        (smooth ? halve_smoothly : halve_by_box)(&level[-1].pictures[i], &level->pictures[i]);
       if (!status) extend_border(&level->pictures[i]);
     }
     if (!status && l > 0) halve_coverage(level - 1, level);

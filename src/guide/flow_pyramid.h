@@ -61,11 +61,11 @@ StyStatus sty_choose_flow_channels(const char *const names[2], const StyImage *c
 /* How many levels a picture gets, see StyFlowOptions. */
 int sty_count_flow_levels(int width, int height, int wanted);
 
-/* Both pyramids of boxes, the finest from `planes`. What isn't covered is 0. The caller closes *out, after a failure
- * too. */
+/* Both pyramids, of boxes or `smooth`, the finest from `planes`; `margin` is 2 or more. What isn't covered is 0. The
+ * caller closes *out, after a failure too. */
 StyStatus sty_build_flow_pyramid(const char *const names[2], const StyImage *const images[2],
                                  const float *planes[2][STY_FLOW_MOST_CHANNELS], int lanes, int levels, int margin,
-                                 StyFlowPyramid *out, StyError *error);
+                                 bool smooth, StyFlowPyramid *out, StyError *error);
 void sty_close_flow_pyramid(StyFlowPyramid *pyramid);
 
 #endif

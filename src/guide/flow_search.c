@@ -76,17 +76,27 @@ static void try_directions(const StyFlowLevel *level, const StyFlowRules *rules,
   for (int d = 0; d < 8; d++) try_offset(level, rules, x, y, u + directions[d][0], v + directions[d][1], best);
 }
 
-/* Around what the coarser level found, or rest. */
+static void try_vector(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, const StyFlowVector *vector,
+                       Match *best) {
+  try_offset(level, rules, x, y, (int)lrintf(vector->u), (int)lrintf(vector->v), best);
+}
+
+/* Around rest first, so that patterns which repeat move no further than they must; then around the
+ * best so far and what the coarser level found: the mean, and each of its pixels, since over the border
+ * of two motions, or beside a wrong one, the mean is neither's. */
 static StyFlowVector search_from_coarser(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y,
                                          const Neighbours *neighbours) {
+  enum { STEPS = 2 };
   const StyFlowVector prior = average_neighbours(neighbours, rules->method);
   if (sty_measure_flow_texture(level, rules, x, y) <= rules->tolerance) return prior;
   /* What has left the picture can only find something else there. */
   if (!sty_is_inside(&level->pictures[1], (float)x + prior.u, (float)y + prior.v)) return prior;
   Match best = {0, 0, FLT_MAX};
-  try_offset(level, rules, x, y, (int)lrintf(prior.u), (int)lrintf(prior.v), &best);
   try_offset(level, rules, x, y, 0, 0, &best);
   try_directions(level, rules, x, y, &best);
+  try_vector(level, rules, x, y, &prior, &best);
+  for (int i = 0; i < neighbours->count; i++) try_vector(level, rules, x, y, &neighbours->vectors[i], &best);
+  for (int step = 0; step < STEPS; step++) try_directions(level, rules, x, y, &best);
   StyFlowVector vector = {(float)best.u, (float)best.v, level->index + 1};
   return sty_refine_flow(level, rules, x, y, &vector) <= rules->threshold ? vector : prior;
 }

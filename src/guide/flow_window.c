@@ -26,7 +26,7 @@ float sty_measure_flow_offset(const StyFlowLevel *level, const StyFlowRules *rul
   const int r = rules->radius;
   const StyLanes *a = sty_get_flow_pixel(&level->pictures[0], x, y);
   const StyLanes *b = sty_get_flow_pixel(&level->pictures[1], x + u, y + v);
-  const StyLanes base = *a - *b;
+  const StyLanes base = rules->method == STY_FLOW_PUBLISHED ? *a - *b : sty_spread_lanes(0);
   StyLanes sum = sty_spread_lanes(0);
   float mean = 0;
   for (int j = -r; j <= r && mean <= limit; j++) {

@@ -36,7 +36,7 @@ StyFlowPlace sty_find_flow_place(float x, float y);
 void sty_sample_flow_window(const StyFlowPicture *picture, const StyFlowPlace *place, int radius, StyLanes *out);
 
 /* Mean difference between the window around (x, y) of this frame and that around (x + u, y + v) of
- * the previous one, each less the colour of its centre. Anything above `limit` once that is certain. */
+ * the previous one; as published, each less the colour of its centre. Anything above `limit` once that is certain. */
 float sty_measure_flow_offset(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, int u, int v,
                               float limit);
 
