@@ -43,8 +43,8 @@ static const struct argp_option options_table[] = {
      "luma.Y - albedo - normal)",
      0},
     {"levels", KEY_LEVELS, "N", 0,
-     "of the pyramid, 1 to 12; N of them reach motions of 2^N-1 pixels, coarse-to-fine twice that (default: down to a "
-     "longer side below 16 pixels)",
+     "of the pyramid, 1 to 12; N of them reach motions of 2^N-1 pixels, at least twice that coarse-to-fine (default: "
+     "down to a longer side below 16 pixels)",
      0},
     {"radius", KEY_RADIUS, "N", 0, "of the windows, 1 to 4 pixels (default: 2; 1 with published)", 0},
     {"threshold", KEY_THRESHOLD, "L", 0, "mean difference up to which windows match, in levels of 1/255 (default: 16)",

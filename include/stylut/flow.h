@@ -41,12 +41,12 @@ typedef enum StyFlowMethod {
 
 typedef struct StyFlowOptions {
   StyFlowMethod method;
-  int levels;           /* 1 .. STY_FLOW_MOST_LEVELS; n reach 2^n - 1 pixels, coarse to fine twice that; 0: down
-                           to a longer side below 16 pixels */
-  int radius;           /* of the window, pixels of each level: 1 (the 8 neighbours) .. STY_FLOW_MOST_RADIUS; 0: 1 as
-                           published, else 2 */
-  double threshold;     /* mean absolute difference, in levels of 1/255, up to which windows match */
-  double tolerance;     /* the same, below which windows are equally good, or have no texture */
+  int levels;       /* 1 .. STY_FLOW_MOST_LEVELS; n reach 2^n - 1 pixels, coarse to fine at least twice that; 0: down
+                       to a longer side below 16 pixels */
+  int radius;       /* of the window, pixels of each level: 1 (the 8 neighbours) .. STY_FLOW_MOST_RADIUS; 0: 1 as
+                       published, else 2 */
+  double threshold; /* mean absolute difference, in levels of 1/255, up to which windows match */
+  double tolerance; /* the same, below which windows are equally good, or have no texture */
   const char *channels; /* comma-separated, at most STY_FLOW_MOST_CHANNELS; a name without a dot stands for all channels
                            of that layer, too. NULL: the first that both have of R,G,B - full - Y - luma.Y - albedo -
                            normal */
