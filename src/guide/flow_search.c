@@ -69,11 +69,12 @@ static void try_offset(const StyFlowLevel *level, const StyFlowRules *rules, int
   if (mean < best->mean) *best = (Match){u, v, mean};
 }
 
-/* Figure 4.3: a pixel on, in 8 directions. */
-static void try_directions(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, Match *best) {
+/* Figure 4.3: a pixel on, in 8 directions. Whether one of them is better. */
+static bool try_directions(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, Match *best) {
   static const int directions[8][2] = {{0, -1}, {-1, 0}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
   const int u = best->u, v = best->v;
   for (int d = 0; d < 8; d++) try_offset(level, rules, x, y, u + directions[d][0], v + directions[d][1], best);
+  return best->u != u || best->v != v;
 }
 
 static void try_vector(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, const StyFlowVector *vector,
@@ -96,7 +97,7 @@ static StyFlowVector search_from_coarser(const StyFlowLevel *level, const StyFlo
   try_directions(level, rules, x, y, &best);
   try_vector(level, rules, x, y, &prior, &best);
   for (int i = 0; i < neighbours->count; i++) try_vector(level, rules, x, y, &neighbours->vectors[i], &best);
-  for (int step = 0; step < STEPS; step++) try_directions(level, rules, x, y, &best);
+  for (int step = 0; step < STEPS && try_directions(level, rules, x, y, &best);) step++;
   StyFlowVector vector = {(float)best.u, (float)best.v, level->index + 1};
   return sty_refine_flow(level, rules, x, y, &vector) <= rules->threshold ? vector : prior;
 }

@@ -21,20 +21,28 @@ void sty_sample_flow_window(const StyFlowPicture *picture, const StyFlowPlace *p
   }
 }
 
-float sty_measure_flow_offset(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, int u, int v,
-                              float limit) {
-  const int r = rules->radius;
-  const StyLanes *a = sty_get_flow_pixel(&level->pictures[0], x, y);
-  const StyLanes *b = sty_get_flow_pixel(&level->pictures[1], x + u, y + v);
-  const StyLanes base = rules->method == STY_FLOW_PUBLISHED ? *a - *b : sty_spread_lanes(0);
+/* With `r` known to the compiler, a row is a few instructions. */
+static inline float measure_offset(const StyFlowLevel *level, const StyLanes *a, const StyLanes *b, StyLanes base,
+                                   int r, float scale, float limit) {
+  const ptrdiff_t stride = level->pictures[0].stride;
   StyLanes sum = sty_spread_lanes(0);
   float mean = 0;
-  for (int j = -r; j <= r && mean <= limit; j++) {
-    const StyLanes *p = a + j * level->pictures[0].stride, *q = b + j * level->pictures[1].stride;
-    for (int i = -r; i <= r; i++) sum += sty_get_magnitude(p[i] - q[i] - base);
-    mean = sty_add_lanes(sum) * rules->scale;
+  for (ptrdiff_t j = -r; j <= r && mean <= limit; j++) {
+    for (ptrdiff_t i = -r; i <= r; i++) sum += sty_get_magnitude(a[j * stride + i] - b[j * stride + i] - base);
+    mean = sty_add_lanes(sum) * scale;
   }
   return mean;
+}
+
+float sty_measure_flow_offset(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y, int u, int v,
+                              float limit) {
+  const StyLanes *a = sty_get_flow_pixel(&level->pictures[0], x, y);
+  const StyLanes *b = sty_get_flow_pixel(&level->pictures[1], x + u, y + v);
+  if (rules->method == STY_FLOW_PUBLISHED)
+    return measure_offset(level, a, b, *a - *b, rules->radius, rules->scale, limit);
+  const StyLanes none = sty_spread_lanes(0);
+  return rules->radius == 2 ? measure_offset(level, a, b, none, 2, rules->scale, limit)
+                            : measure_offset(level, a, b, none, rules->radius, rules->scale, limit);
 }
 
 float sty_measure_flow_texture(const StyFlowLevel *level, const StyFlowRules *rules, int x, int y) {
