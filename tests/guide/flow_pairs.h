@@ -121,8 +121,8 @@ static inline FlowPair make_pair(int width, int height, int bits, Texture textur
   return pair;
 }
 
-/* A disc with a texture of its own moves over a background that moves, too: (-6, 4) and (2, 0). */
-static inline FlowPair make_disc_pair(int width, int height) {
+/* A disc with a texture of its own moves by (u, v) over a background that moves by (2, 0). */
+static inline FlowPair make_disc_pair(int width, int height, int u, int v) {
   FlowPair pair = make_pair(width, height, 8, cloud, move_by(2, 0));
   if (!pair.truth) return pair;
   const size_t pixels = sty_count_pixels(pair.frame);
@@ -130,14 +130,14 @@ static inline FlowPair make_disc_pair(int width, int height) {
   for (size_t p = 0; p < pixels; p++) {
     const double x = (double)(p % (size_t)width) + 0.5, y = (double)(p / (size_t)width) + 0.5;
     const bool now = hypot(x - centre[0], y - centre[1]) < 0.3 * height;
-    const bool before = hypot(x + 6 - centre[0], y - 4 - centre[1]) < 0.3 * height;
+    const bool before = hypot(x - u - centre[0], y - v - centre[1]) < 0.3 * height;
     for (int c = 0; c < 3; c++) {
       const size_t at = (size_t)c * pixels + p;
-      if (now) pair.frame->data[at] = quantize(cloud(x - 6 + away, y + 4, c, centre), 8);
+      if (now) pair.frame->data[at] = quantize(cloud(x + u + away, y + v, c, centre), 8);
       if (before) pair.previous->data[at] = quantize(cloud(x + away, y, c, centre), 8);
     }
-    if (now) pair.truth->data[pixels + p] = -6;
-    if (now) pair.truth->data[2 * pixels + p] = 4;
+    if (now) pair.truth->data[pixels + p] = (float)u;
+    if (now) pair.truth->data[2 * pixels + p] = (float)v;
   }
   return pair;
 }

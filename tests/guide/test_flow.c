@@ -111,13 +111,18 @@ static void test_two_motions(void **state) {
   StyFlowOptions options = sty_default_flow_options;
   options.consistency = true;
   StyFlowFigures figures;
-  const StyFlowError found = judge(make_disc_pair(320, 240), &options, &figures);
+  const StyFlowError found = judge(make_disc_pair(320, 240, -6, 4), &options, &figures);
   expect_at_most("disc over background: p50", found.end_point.p50, 0);
   expect_at_most("disc over background: mean", found.end_point.mean, 0.25);
   expect_at_most("disc over background: above 1 pixel", found.above_1, 0.04);
-  /* What the disc uncovers has no match, and the way back says so. */
-  const double inconsistent = (double)figures.inconsistent / (double)figures.compared;
-  assert_true(inconsistent > 0.01 && inconsistent < 0.1);
+  /* What the disc uncovers has no match, and the way back says so, whichever way it moves. */
+  static const int ways[][2] = {{-6, 4}, {-6, 0}, {2, 6}};
+  for (size_t w = 0; w < sizeof ways / sizeof *ways; w++) {
+    judge(make_disc_pair(320, 240, ways[w][0], ways[w][1]), &options, &figures);
+    const double inconsistent = (double)figures.inconsistent / (double)figures.compared;
+    print_message("disc by (%d, %d): %.4f inconsistent\n", ways[w][0], ways[w][1], inconsistent);
+    assert_true(inconsistent > 0.01 && inconsistent < 0.1);
+  }
 }
 
 static void test_identical_pictures_rest(void **state) {
@@ -211,6 +216,25 @@ static void add_noise(const StyImage *image, int key, double sigma) {
     const double value = (double)image->data[i] + sum * sqrt(3) * sigma / 255;
     image->data[i] = quantize(fmin(fmax(value, 0), 1), 8);
   }
+}
+
+/* Noise hides that stripes are ambiguous, until the tolerance is above it. */
+static void test_tolerance(void **state) {
+  (void)state;
+  static const double tolerances[] = {0, 0.5, 2};
+  double shares[3];
+  for (int t = 0; t < 3; t++) {
+    FlowPair pair = make_pair(160, 120, 8, stripes, move_by(0, 0));
+    add_noise(pair.frame, 101, 1);
+    add_noise(pair.previous, 102, 1);
+    StyFlowOptions options = sty_default_flow_options;
+    options.tolerance = tolerances[t];
+    StyFlowFigures figures;
+    judge(pair, &options, &figures);
+    shares[t] = share(figures.ambiguous, &figures);
+    print_message("noisy stripes, tolerance %g: %.4f ambiguous\n", tolerances[t], shares[t]);
+  }
+  assert_true(shares[0] < 0.5 && shares[0] < shares[1] && shares[1] <= shares[2] && shares[2] > 0.99);
 }
 
 /* 6.4.6: the picture's noise and the flow's error. */
@@ -487,6 +511,7 @@ int main(void) {
       cmocka_unit_test(test_circles_turning),
       cmocka_unit_test(test_circles_moving),
       cmocka_unit_test(test_noise),
+      cmocka_unit_test(test_tolerance),
       cmocka_unit_test(test_published_method),
       cmocka_unit_test(test_threads_give_the_same_bytes),
       cmocka_unit_test(test_mirrored_pictures),
