@@ -233,7 +233,7 @@ static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&commo
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH|SCENE.json\nimport FILE\nstrokes IMAGE\nwarp PAIRS.json",
+    .args_doc = "sphere\nscene MESH|SCENE.json\nimport FILE\nstrokes IMAGE\nwarp PAIRS.json\nflow A B",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
@@ -241,7 +241,8 @@ static const struct argp parser = {
         "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.\n\n"
         "'import' turns another program's file into a guide, 'strokes' measures a picture at several scales, 'warp' "
         "bends "
-        "one by pairs of points; they have options of their own: 'stylut guide import --help' and so on.",
+        "one by pairs of points, 'flow' finds the motion between two; they have options of their own: 'stylut guide "
+        "import --help' and so on.",
     .children = children,
 };
 
@@ -431,6 +432,7 @@ static const struct {
     {"import", run_guide_import},
     {"strokes", run_guide_strokes},
     {"warp", run_guide_warp},
+    {"flow", run_guide_flow},
 };
 
 StyStatus run_guide(int argc, char **argv) {
