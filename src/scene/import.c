@@ -1,0 +1,556 @@
+/* Mesh files to meshes. Assimp reads the file and cuts polygons into
+ * triangles; the rest is done here, because its other steps can't be relied
+ * on: its smooth normals are wrong wherever faces share vertices, and its
+ * vertex joining merges everything closer than an absolute 1e-5. */
+#include <assimp/cimport.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/version.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "scene/corners.h"
+#include "scene/import.h"
+#include "scene/ply.h"
+#include "scene/vector.h"
+#include "stylut/file.h"
+#include "stylut/mesh.h"
+#include "stylut/version.h"
+
+static const double DEFAULT_CREASE_ANGLE = 60;
+enum { MAX_NODE_DEPTH = 256 };
+
+/* A mesh of the file as one node shows it. */
+typedef struct Part {
+  const struct aiMesh *mesh;
+  unsigned mesh_number;
+  double matrix[3][4];    /* mesh to world */
+  double cofactors[3][3]; /* for normals: proportional to the inverse transpose, same side */
+  bool mirrored;
+} Part;
+
+/* Where a mesh's own coordinates were moved to: file = own / scale + centre. */
+typedef struct Frame {
+  double centre[3];
+  double scale;
+} Frame;
+
+typedef struct Import {
+  const char *path;
+  const struct aiScene *file;
+  Frame *frames; /* 1 per mesh of the file */
+  Part *parts;
+  size_t part_count, part_capacity;
+  size_t triangle_count; /* of all parts, degenerate ones too */
+  bool keep_normals;
+  bool has_uvs; /* some part has */
+} Import;
+
+/* Assimp's log and its last error belong to the process. */
+static pthread_mutex_t importer_lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* ---- reading ---- */
+
+static const char *find_extension(const char *path) {
+  const char *dot = strrchr(path, '.');
+  return dot && !strchr(dot, '/') ? dot + 1 : "";
+}
+
+static StyStatus check_extension(const char *path, StyError *error) {
+  static const char *const KNOWN[] = {"obj", "ply", "stl", "gltf", "glb", "off"};
+  const char *extension = find_extension(path);
+  for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
+    if (strcasecmp(extension, KNOWN[i]) == 0) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "%s: found the file ending '%s', expected .obj, .ply, .stl, .gltf, .glb or .off", path, extension);
+}
+
+static StyStatus fail_library(const char *path, StyError *error) {
+  char reason[256];
+  snprintf(reason, sizeof reason, "%s", aiGetErrorString());
+  reason[strcspn(reason, "\r\n")] = '\0';
+  return sty_fail(error, STY_ERROR_INPUT, "%s: expected a mesh; the importer says: %s", path,
+                  reason[0] ? reason : "nothing");
+}
+
+static bool has_uvs(const struct aiMesh *mesh) { return mesh->mTextureCoords[0] && mesh->mNumUVComponents[0] >= 2; }
+
+static StyStatus check_vertices(const Import *import, unsigned m, StyError *error) {
+  const struct aiMesh *mesh = import->file->mMeshes[m];
+  for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+    const struct aiVector3D p = mesh->mVertices[v];
+    if (has_uvs(mesh) && !(isfinite(mesh->mTextureCoords[0][v].x) && isfinite(mesh->mTextureCoords[0][v].y)))
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: vertex %u of mesh %u (counted from 1) has the texture coordinates (%g, %g), expected finite "
+                      "ones",
+                      import->path, v + 1, m + 1, (double)mesh->mTextureCoords[0][v].x,
+                      (double)mesh->mTextureCoords[0][v].y);
+    if (isfinite(p.x) && isfinite(p.y) && isfinite(p.z)) continue;
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: vertex %u of mesh %u (counted from 1) is (%g, %g, %g), expected finite float coordinates",
+                    import->path, v + 1, m + 1, (double)p.x, (double)p.y, (double)p.z);
+  }
+  return STY_OK;
+}
+
+static StyStatus check_faces(const Import *import, unsigned m, StyError *error) {
+  const struct aiMesh *mesh = import->file->mMeshes[m];
+  for (unsigned f = 0; f < mesh->mNumFaces; f++)
+    for (unsigned k = 0; k < mesh->mFaces[f].mNumIndices; k++) {
+      const unsigned index = mesh->mFaces[f].mIndices[k];
+      if (index < mesh->mNumVertices) continue;
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: face %u of mesh %u (counted from 1) asks for vertex index %ld, expected 0 to %ld",
+                      import->path, f + 1, m + 1, (long)(int)index, (long)mesh->mNumVertices - 1);
+    }
+  return STY_OK;
+}
+
+static StyStatus check_meshes(const Import *import, StyError *error) {
+  StyStatus status = STY_OK;
+  for (unsigned m = 0; m < import->file->mNumMeshes && status == STY_OK; m++) {
+    status = check_vertices(import, m, error);
+    if (status == STY_OK) status = check_faces(import, m, error);
+  }
+  return status;
+}
+
+/* The cutting of polygons works in float and fails on tiny or far ones, so the
+ * vertices of a mesh that has polygons are brought near [-1, 1]^3. */
+static void move_polygons(struct aiMesh *mesh, Frame *frame) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (unsigned f = 0; f < mesh->mNumFaces; f++)
+    for (unsigned i = 0; i < mesh->mFaces[f].mNumIndices; i++) {
+      const struct aiVector3D p = mesh->mVertices[mesh->mFaces[f].mIndices[i]];
+      const double at[3] = {p.x, p.y, p.z};
+      for (int k = 0; k < 3; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
+    }
+  double extent = 0;
+  for (int k = 0; k < 3; k++) {
+    frame->centre[k] = (low[k] + high[k]) / 2;
+    extent = fmax(extent, high[k] - low[k]);
+  }
+  if (extent > 0) frame->scale = 2 / extent;
+  for (unsigned v = 0; v < mesh->mNumVertices; v++) {
+    struct aiVector3D *p = &mesh->mVertices[v];
+    p->x = (float)((p->x - frame->centre[0]) * frame->scale);
+    p->y = (float)((p->y - frame->centre[1]) * frame->scale);
+    p->z = (float)((p->z - frame->centre[2]) * frame->scale);
+  }
+}
+
+/* Assimp marks a mesh with empty faces as one of polygons, and then aborts
+ * when it finds none to cut. */
+static bool mark_polygons(struct aiMesh *mesh) {
+  for (unsigned f = 0; f < mesh->mNumFaces; f++)
+    if (mesh->mFaces[f].mNumIndices > 3) return true;
+  mesh->mPrimitiveTypes &= ~(unsigned)aiPrimitiveType_POLYGON;
+  return false;
+}
+
+static StyStatus cut_polygons(Import *import, StyError *error) {
+  const unsigned count = import->file->mNumMeshes;
+  import->frames = malloc((count + 1) * sizeof *import->frames);
+  if (!import->frames) return sty_fail_memory(error, "mesh frames", (double)count * sizeof *import->frames);
+  bool polygons = false;
+  for (unsigned m = 0; m < count; m++) {
+    import->frames[m] = (Frame){.scale = 1};
+    if (!mark_polygons(import->file->mMeshes[m])) continue;
+    move_polygons(import->file->mMeshes[m], &import->frames[m]);
+    polygons = true;
+  }
+  if (!polygons) return STY_OK;
+  import->file = aiApplyPostProcessing(import->file, aiProcess_Triangulate);
+  return import->file ? STY_OK : fail_library(import->path, error);
+}
+
+/* Some importers drop faces with bad indices, or bend them to other vertices,
+ * and only tell their log. */
+static void watch_log(const char *message, char *user) {
+  if (strstr(message, "out of range") || strstr(message, "out-of-range")) *(bool *)(void *)user = true;
+}
+
+static StyStatus load_file(Import *import, StyError *error) {
+  bool bad_indices = false;
+  struct aiLogStream log = {watch_log, (char *)(void *)&bad_indices};
+  aiAttachLogStream(&log);
+  import->file = aiImportFile(import->path, 0);
+  aiDetachLogStream(&log);
+  if (!import->file) return fail_library(import->path, error);
+  if (bad_indices)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: a face asks for a vertex that the file does not hold", import->path);
+  StyStatus status = check_meshes(import, error);
+  return status == STY_OK ? cut_polygons(import, error) : status;
+}
+
+static StyStatus read_file(Import *import, StyError *error) {
+  StyStatus status = check_extension(import->path, error);
+  if (status == STY_OK) status = sty_check_file(import->path, NULL, error);
+  if (status == STY_OK && strcasecmp(find_extension(import->path), "ply") == 0)
+    status = sty_check_ply(import->path, error);
+  if (status != STY_OK) return status;
+  pthread_mutex_lock(&importer_lock);
+  status = load_file(import, error);
+  pthread_mutex_unlock(&importer_lock);
+  return status;
+}
+
+/* ---- the node tree ---- */
+
+static void multiply_node(const double parent[3][4], const struct aiMatrix4x4 *own, double out[3][4]) {
+  const double b[4][4] = {{own->a1, own->a2, own->a3, own->a4},
+                          {own->b1, own->b2, own->b3, own->b4},
+                          {own->c1, own->c2, own->c3, own->c4},
+                          {0, 0, 0, 1}};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 4; j++) {
+      out[i][j] = j == 3 ? parent[i][3] : 0;
+      for (int k = 0; k < 3; k++) out[i][j] += parent[i][k] * b[k][j];
+    }
+}
+
+static size_t count_triangles(const struct aiMesh *mesh) {
+  size_t count = 0;
+  for (unsigned f = 0; f < mesh->mNumFaces; f++) count += mesh->mFaces[f].mNumIndices == 3;
+  return count;
+}
+
+/* The node's matrix with the mesh's frame folded in. */
+static Part make_part(const Import *import, unsigned m, const double node[3][4]) {
+  Part part = {.mesh = import->file->mMeshes[m], .mesh_number = m + 1};
+  const Frame *frame = &import->frames[m];
+  for (int i = 0; i < 3; i++) {
+    part.matrix[i][3] = node[i][3];
+    for (int j = 0; j < 3; j++) {
+      part.matrix[i][j] = node[i][j] / frame->scale;
+      part.matrix[i][3] += node[i][j] * frame->centre[j];
+    }
+  }
+  for (int i = 0; i < 3; i++) cross_vectors(node[(i + 1) % 3], node[(i + 2) % 3], part.cofactors[i]);
+  part.mirrored = dot_vectors(node[0], part.cofactors[0]) < 0;
+  if (part.mirrored)
+    for (int i = 0; i < 9; i++) part.cofactors[i / 3][i % 3] *= -1;
+  return part;
+}
+
+static StyStatus add_part(Import *import, unsigned m, const double node[3][4], StyError *error) {
+  const size_t triangles = count_triangles(import->file->mMeshes[m]);
+  if (triangles == 0) return STY_OK;
+  if (triangles > STY_MAX_TRIANGLES - import->triangle_count)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found more than %zu triangles, which is the most a mesh may have",
+                    import->path, STY_MAX_TRIANGLES);
+  if (import->part_count == import->part_capacity) {
+    const size_t capacity = import->part_capacity ? 2 * import->part_capacity : 16;
+    Part *grown = realloc(import->parts, capacity * sizeof *grown);
+    if (!grown) return sty_fail_memory(error, "mesh parts", (double)(capacity * sizeof *grown));
+    import->parts = grown;
+    import->part_capacity = capacity;
+  }
+  import->parts[import->part_count++] = make_part(import, m, node);
+  import->has_uvs |= has_uvs(import->file->mMeshes[m]);
+  import->triangle_count += triangles;
+  return STY_OK;
+}
+
+static StyStatus add_node(Import *import, const struct aiNode *node, const double parent[3][4], int depth,
+                          StyError *error) {
+  if (depth > MAX_NODE_DEPTH)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: nodes are nested more than %d deep", import->path, MAX_NODE_DEPTH);
+  double matrix[3][4];
+  multiply_node(parent, &node->mTransformation, matrix);
+  StyStatus status = STY_OK;
+  for (unsigned i = 0; i < node->mNumMeshes && status == STY_OK; i++)
+    if (node->mMeshes[i] < import->file->mNumMeshes) status = add_part(import, node->mMeshes[i], matrix, error);
+  for (unsigned i = 0; i < node->mNumChildren && status == STY_OK; i++)
+    status = add_node(import, node->mChildren[i], matrix, depth + 1, error);
+  return status;
+}
+
+static StyStatus list_parts(Import *import, StyError *error) {
+  static const double IDENTITY[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+  StyStatus status = STY_OK;
+  if (import->file->mRootNode) status = add_node(import, import->file->mRootNode, IDENTITY, 0, error);
+  /* Meshes that no node shows are shown as they are. */
+  if (import->part_count == 0)
+    for (unsigned m = 0; m < import->file->mNumMeshes && status == STY_OK; m++)
+      status = add_part(import, m, IDENTITY, error);
+  if (status == STY_OK && import->part_count == 0)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: holds no faces, expected a mesh with triangles or polygons",
+                    import->path);
+  return status;
+}
+
+/* ---- triangles ---- */
+
+static void transform_vertex(const Part *part, unsigned v, double out[3]) {
+  const struct aiVector3D p = part->mesh->mVertices[v];
+  for (int i = 0; i < 3; i++)
+    out[i] = part->matrix[i][0] * p.x + part->matrix[i][1] * p.y + part->matrix[i][2] * p.z + part->matrix[i][3];
+}
+
+/* The file's vertex indices of a triangle, counter-clockwise in the world. */
+static void order_triangle(const Part *part, const struct aiFace *face, unsigned out[3]) {
+  out[0] = face->mIndices[0];
+  out[1] = face->mIndices[part->mirrored ? 2 : 1];
+  out[2] = face->mIndices[part->mirrored ? 1 : 2];
+}
+
+static bool has_area(const double a[3], const double b[3], const double c[3]) {
+  double ab[3], ac[3], normal[3];
+  subtract_vectors(b, a, ab);
+  subtract_vectors(c, a, ac);
+  cross_vectors(ab, ac, normal);
+  return dot_vectors(normal, normal) > 0;
+}
+
+static StyStatus check_world(const Import *import, const Part *part, unsigned v, const double world[3],
+                             StyError *error) {
+  for (int k = 0; k < 3; k++)
+    if (!(fabs(world[k]) <= STY_MAX_COORDINATE))
+      return sty_fail(
+          error, STY_ERROR_INPUT,
+          "%s: vertex %u of mesh %u (counted from 1) lies at (%g, %g, %g), expected coordinates from %g to %g",
+          import->path, v + 1, part->mesh_number, world[0], world[1], world[2], -STY_MAX_COORDINATE,
+          STY_MAX_COORDINATE);
+  return STY_OK;
+}
+
+static StyStatus measure_part(const Import *import, const Part *part, StyMesh *mesh, StyError *error) {
+  for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
+    if (part->mesh->mFaces[f].mNumIndices != 3) continue;
+    unsigned vertices[3];
+    double world[3][3];
+    order_triangle(part, &part->mesh->mFaces[f], vertices);
+    for (int k = 0; k < 3; k++) {
+      transform_vertex(part, vertices[k], world[k]);
+      StyStatus status = check_world(import, part, vertices[k], world[k], error);
+      if (status != STY_OK) return status;
+    }
+    if (!has_area(world[0], world[1], world[2])) continue;
+    for (int i = 0; i < 9; i++) {
+      const double at = world[i / 3][i % 3];
+      mesh->minimum[i % 3] = fmin(mesh->minimum[i % 3], at);
+      mesh->maximum[i % 3] = fmax(mesh->maximum[i % 3], at);
+    }
+  }
+  return STY_OK;
+}
+
+static StyStatus fail_flat(const Import *import, StyError *error) {
+  return sty_fail(error, STY_ERROR_INPUT, "%s: none of its %zu triangles has an area", import->path,
+                  import->triangle_count);
+}
+
+static StyStatus measure_mesh(const Import *import, StyMesh *mesh, StyError *error) {
+  for (int k = 0; k < 3; k++) mesh->minimum[k] = INFINITY, mesh->maximum[k] = -INFINITY;
+  for (size_t p = 0; p < import->part_count; p++) {
+    StyStatus status = measure_part(import, &import->parts[p], mesh, error);
+    if (status != STY_OK) return status;
+  }
+  double extent = 0;
+  for (int k = 0; k < 3; k++) {
+    mesh->centre[k] = (mesh->minimum[k] + mesh->maximum[k]) / 2;
+    extent = fmax(extent, mesh->maximum[k] - mesh->minimum[k]);
+  }
+  mesh->scale = 2 / extent;
+  return extent > 0 && isfinite(mesh->scale) ? STY_OK : fail_flat(import, error);
+}
+
+/* Leaves the normal unknown where the file has none that can be used. */
+static void fill_file_normal(const Part *part, unsigned v, float out[3]) {
+  const struct aiVector3D n = part->mesh->mNormals[v];
+  double world[3];
+  for (int i = 0; i < 3; i++)
+    world[i] = part->cofactors[i][0] * n.x + part->cofactors[i][1] * n.y + part->cofactors[i][2] * n.z;
+  if (!normalize_vector(world)) return;
+  for (int k = 0; k < 3; k++) out[k] = (float)world[k] + 0.0f;
+}
+
+static void fill_corner(const Import *import, const StyMesh *mesh, const Part *part, unsigned v, StyCorner *out) {
+  double world[3];
+  transform_vertex(part, v, world);
+  *out = (StyCorner){0};
+  /* Adding zero turns negative zero into zero: corners compare by their bytes. */
+  for (int k = 0; k < 3; k++) out->position[k] = (float)((world[k] - mesh->centre[k]) * mesh->scale) + 0.0f;
+  if (import->keep_normals && part->mesh->mNormals) fill_file_normal(part, v, out->normal);
+  if (!has_uvs(part->mesh)) return;
+  out->uv[0] = part->mesh->mTextureCoords[0][v].x + 0.0f;
+  out->uv[1] = part->mesh->mTextureCoords[0][v].y + 0.0f;
+}
+
+static bool has_corner_area(const StyCorner corners[3]) {
+  double at[3][3];
+  for (int i = 0; i < 9; i++) at[i / 3][i % 3] = corners[i / 3].position[i % 3];
+  return has_area(at[0], at[1], at[2]);
+}
+
+static void fill_part(const Import *import, const Part *part, StyMesh *mesh, StyCorner *corners) {
+  for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
+    if (part->mesh->mFaces[f].mNumIndices != 3) continue;
+    unsigned vertices[3];
+    StyCorner *own = &corners[3 * mesh->triangle_count];
+    order_triangle(part, &part->mesh->mFaces[f], vertices);
+    for (int k = 0; k < 3; k++) fill_corner(import, mesh, part, vertices[k], &own[k]);
+    /* Rounding to trace space may flatten a triangle that had an area. */
+    if (has_corner_area(own)) mesh->part_ids[mesh->triangle_count++] = (uint32_t)mesh->part_count;
+  }
+}
+
+static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **out, StyError *error) {
+  const size_t count = import->triangle_count;
+  StyCorner *corners = malloc(3 * count * sizeof *corners);
+  mesh->part_ids = malloc(count * sizeof *mesh->part_ids);
+  if (!corners || !mesh->part_ids) {
+    free(corners);
+    return sty_fail_memory(error, "mesh corners", (double)(3 * count * sizeof *corners));
+  }
+  for (size_t p = 0; p < import->part_count; p++) {
+    mesh->part_count++;
+    fill_part(import, &import->parts[p], mesh, corners);
+  }
+  *out = corners;
+  return mesh->triangle_count > 0 ? STY_OK : fail_flat(import, error);
+}
+
+/* ---- materials ---- */
+
+/* The picture of a part's material, beside the file; NULL: none, or one inside the file. */
+static char *find_texture(const char *path, const struct aiMaterial *material) {
+  struct aiString name;
+  if (aiGetMaterialTexture(material, aiTextureType_DIFFUSE, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) !=
+          aiReturn_SUCCESS &&
+      aiGetMaterialTexture(material, aiTextureType_BASE_COLOR, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) !=
+          aiReturn_SUCCESS)
+    return NULL;
+  if (name.length == 0 || name.data[0] == '*') return NULL;
+  for (char *c = name.data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
+  char *folder = sty_get_folder(path);
+  char *texture = folder ? sty_join_path(folder, name.data) : NULL;
+  free(folder);
+  return texture;
+}
+
+/* The number of the mesh's texture at this path, which is taken over. */
+static int number_texture(StyMesh *mesh, char *path) {
+  for (int t = 0; t < mesh->texture_count; t++)
+    if (strcmp(mesh->textures[t], path) == 0) {
+      free(path);
+      return t;
+    }
+  mesh->textures[mesh->texture_count] = path;
+  return mesh->texture_count++;
+}
+
+/* Of the formats that have materials; of others the importer makes grey ones up. */
+static bool has_materials(const char *path) {
+  return strcasecmp(find_extension(path), "obj") == 0 || strncasecmp(find_extension(path), "gl", 2) == 0;
+}
+
+/* White for what the file says nothing of, where the importer would say grey. */
+static StyPaint read_paint(const Import *import, const Part *part, StyMesh *mesh) {
+  StyPaint paint = {{1, 1, 1}, -1};
+  struct aiString name;
+  struct aiColor4D colour;
+  if (!has_materials(import->path) || part->mesh->mMaterialIndex >= import->file->mNumMaterials) return paint;
+  const struct aiMaterial *material = import->file->mMaterials[part->mesh->mMaterialIndex];
+  if (aiGetMaterialString(material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+      strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
+    return paint;
+  if (aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &colour) == aiReturn_SUCCESS) {
+    const double found[3] = {(double)colour.r, (double)colour.g, (double)colour.b};
+    for (int k = 0; k < 3; k++) paint.colour[k] = found[k] >= 0 && found[k] <= 1 ? found[k] : 1;
+  }
+  char *texture = find_texture(import->path, material);
+  if (texture) paint.texture = number_texture(mesh, texture);
+  return paint;
+}
+
+static StyStatus read_paints(const Import *import, StyMesh *mesh, StyError *error) {
+  mesh->paints = malloc(import->part_count * sizeof *mesh->paints);
+  mesh->textures = malloc(import->part_count * sizeof *mesh->textures);
+  if (!mesh->paints || !mesh->textures)
+    return sty_fail_memory(error, "mesh parts", (double)(import->part_count * sizeof *mesh->paints));
+  for (size_t p = 0; p < import->part_count; p++) mesh->paints[p] = read_paint(import, &import->parts[p], mesh);
+  return STY_OK;
+}
+
+/* ---- the mesh ---- */
+
+static bool lacks_normals(const StyCorner *corners, size_t count) {
+  for (size_t c = 0; c < count; c++)
+    if (corners[c].normal[0] == 0 && corners[c].normal[1] == 0 && corners[c].normal[2] == 0) return true;
+  return false;
+}
+
+static StyStatus share_vertices(StyMesh *mesh, const StyCorner *corners, bool has_uvs, StyError *error) {
+  const size_t count = 3 * mesh->triangle_count, size = has_uvs ? sizeof *corners : offsetof(StyCorner, uv);
+  mesh->indices = malloc(count * sizeof *mesh->indices);
+  if (!mesh->indices) return sty_fail_memory(error, "mesh indices", (double)(count * sizeof *mesh->indices));
+  StyStatus status = sty_number_corners(corners, count, size, mesh->indices, &mesh->vertex_count, error);
+  if (status != STY_OK) return status;
+  mesh->positions = calloc(3 * mesh->vertex_count + 1, sizeof *mesh->positions);
+  mesh->normals = malloc(3 * mesh->vertex_count * sizeof *mesh->normals);
+  if (has_uvs) mesh->uvs = malloc(2 * mesh->vertex_count * sizeof *mesh->uvs);
+  if (!mesh->positions || !mesh->normals || (has_uvs && !mesh->uvs))
+    return sty_fail_memory(error, "mesh vertices", (double)mesh->vertex_count * sizeof *corners);
+  for (size_t c = 0; c < count; c++) {
+    memcpy(&mesh->positions[3 * (size_t)mesh->indices[c]], corners[c].position, sizeof corners->position);
+    memcpy(&mesh->normals[3 * (size_t)mesh->indices[c]], corners[c].normal, sizeof corners->normal);
+    if (has_uvs) memcpy(&mesh->uvs[2 * (size_t)mesh->indices[c]], corners[c].uv, sizeof corners->uv);
+  }
+  return STY_OK;
+}
+
+/* Lets go of the importer's copy, which nothing needs once corners are filled. */
+static void release_import(Import *import) {
+  if (import->file) aiReleaseImport(import->file);
+  free(import->frames);
+  free(import->parts);
+  import->file = NULL;
+  import->frames = NULL;
+  import->parts = NULL;
+}
+
+static StyStatus build_mesh(Import *import, double crease_angle, StyMesh *mesh, StyError *error) {
+  StyCorner *corners = NULL;
+  StyStatus status = measure_mesh(import, mesh, error);
+  if (status == STY_OK) status = fill_corners(import, mesh, &corners, error);
+  if (status == STY_OK) status = read_paints(import, mesh, error);
+  release_import(import);
+  if (status == STY_OK && lacks_normals(corners, 3 * mesh->triangle_count))
+    status = sty_smooth_corners(corners, mesh->triangle_count, crease_angle, error);
+  if (status == STY_OK) status = share_vertices(mesh, corners, import->has_uvs, error);
+  free(corners);
+  return status;
+}
+
+StyStatus sty_import_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error) {
+  const double crease_angle = options ? options->crease_angle : -1;
+  if (isnan(crease_angle) || crease_angle > 180)
+    return sty_fail(error, STY_ERROR_USAGE, "crease angle: found %g, expected 0 to 180 degrees", crease_angle);
+  /* STL can only store facets, so its normals tell nothing. */
+  Import import = {.path = path, .keep_normals = crease_angle < 0 && strcasecmp(find_extension(path), "stl") != 0};
+  StyMesh *mesh = calloc(1, sizeof *mesh);
+  if (!mesh) return sty_fail_memory(error, "mesh", sizeof *mesh);
+  mesh->path = strdup(path);
+  StyStatus status = mesh->path ? read_file(&import, error) : sty_fail_memory(error, path, (double)strlen(path));
+  if (status == STY_OK) status = list_parts(&import, error);
+  if (status == STY_OK)
+    status = build_mesh(&import, crease_angle < 0 ? DEFAULT_CREASE_ANGLE : crease_angle, mesh, error);
+  release_import(&import);
+  if (status == STY_OK)
+    *out = mesh;
+  else
+    sty_destroy_mesh(&mesh);
+  return status;
+}
+
+const char *sty_get_mesh_library_version(void) {
+  static _Thread_local char text[48];
+  snprintf(text, sizeof text, "Assimp %u.%u.%u", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+  return text;
+}

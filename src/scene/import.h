@@ -1,0 +1,9 @@
+#ifndef STYLUT_SCENE_IMPORT_H
+#define STYLUT_SCENE_IMPORT_H
+
+#include "stylut/mesh.h"
+
+/* sty_read_mesh in this process, where a file that the importer can't bear takes all down. */
+StyStatus sty_import_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error);
+
+#endif
