@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "commands.h"
 #include "options.h"
@@ -186,12 +187,15 @@ static StyStatus check_channels(Arguments *arguments) {
 }
 
 static StyStatus check_arguments(Arguments *arguments) {
-  static const char *const kinds[] = {"sphere", "scene", NULL};
+  static const char *const kinds[] = {"sphere", "scene", "strokes", "warp", NULL};
   StyError *error = &arguments->options.error;
   int kind;
   const char *given = arguments->kind ? arguments->kind : "";
   const StyStatus status = sty_parse_choice("guide", given, kinds, &kind, error);
   if (status) return status;
+  if (kind > 1)
+    return sty_fail(error, STY_ERROR_USAGE, "guide %s: found behind options, expected 'stylut guide %s' and then those",
+                    given, given);
   if (kind == 1 && !arguments->mesh)
     return sty_fail(error, STY_ERROR_USAGE, "guide scene: found no mesh, expected a file name");
   if (kind == 0 && arguments->mesh)
@@ -249,12 +253,14 @@ static const struct argp_child children[] = {
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH|SCENE.json",
+    .args_doc = "sphere\nscene MESH|SCENE.json\nimport FILE\nstrokes IMAGE\nwarp PAIRS.json",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
-        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.\n\n"
+        "'import' turns another program's file into a guide, 'strokes' measures a picture at several scales, 'warp' bends "
+        "one by pairs of points; they have options of their own: 'stylut guide import --help' and so on.",
     .children = children,
 };
 
@@ -437,7 +443,24 @@ static StyStatus run(Arguments *arguments) {
   return status;
 }
 
+/* Kinds that have a command line of their own. */
+static const struct {
+  const char *name;
+  StyStatus (*run)(int argc, char **argv);
+} kinds[] = {
+    {"import", run_guide_import},
+    {"strokes", run_guide_strokes},
+    {"warp", run_guide_warp},
+};
+
 StyStatus run_guide(int argc, char **argv) {
+  for (size_t k = 0; argc > 1 && k < sizeof kinds / sizeof *kinds; k++) {
+    static char program[32];
+    if (strcmp(argv[1], kinds[k].name) != 0) continue;
+    snprintf(program, sizeof program, "stylut guide %s", kinds[k].name);
+    argv[1] = program;
+    return kinds[k].run(argc - 1, argv + 1);
+  }
   Arguments arguments = {
       .width = 512,
       .height = 512,

@@ -66,4 +66,10 @@ StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned gr
 /* Marks a pixel as covered by what `sample` says. */
 void sty_set_sample(const StyGuide *guide, size_t pixel, const StySample *sample);
 
+/* Marks a pixel as one that nothing covers, as all of a new guide are. */
+void sty_set_miss(const StyGuide *guide, size_t pixel);
+
+/* The planes of an image that sty_create_guide made for these groups. */
+StyGuide sty_view_guide(StyImage *image, unsigned groups);
+
 #endif

@@ -55,6 +55,7 @@ static StyStatus draw_row(void *context, long row, StyError *error) {
   const Planes *planes = &drawing->planes;
   const size_t width = (size_t)planes->image->width;
   for (size_t i = (size_t)row * width; i < ((size_t)row + 1) * width; i++) {
+    planes->contour[i] = 0;
     if (planes->coverage[i] == 0) continue;
     const double footprint = drawing->footprint->constant + drawing->footprint->slope * (double)planes->depth[i];
     planes->contour[i] = (float)get_strength(planes, i, drawing->weights, footprint);

@@ -204,7 +204,8 @@ void sty_close_tracer(StyTracer **closed) {
 
 /* ---- hits ---- */
 
-static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
+/* Not fmin and fmax, which are calls. */
+static double clamp(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
 
 /* Moeller and Trumbore 1997. `u` and `v` hold Embree's answer for a ray within
  * the triangle's plane, where there is no other. */
@@ -216,8 +217,9 @@ static void find_weights(const StyRay *ray, const double corner[3], const double
   if (determinant != 0) {
     subtract_vectors(ray->origin, corner, from);
     cross_vectors(from, ab, q);
-    u = dot_vectors(from, p) / determinant;
-    v = dot_vectors(ray->direction, q) / determinant;
+    const double inverse = 1 / determinant;
+    u = dot_vectors(from, p) * inverse;
+    v = dot_vectors(ray->direction, q) * inverse;
   }
   weights[1] = clamp(u, 0, 1);
   weights[2] = clamp(v, 0, 1 - weights[1]);

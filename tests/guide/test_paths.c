@@ -351,6 +351,26 @@ static void test_mirror(void **state) {
   sty_destroy_scene(&scene);
 }
 
+/* Light that only a polished wall throws on a plate is in none of the parts that have channels. */
+static void test_thrown_light(void **state) {
+  static const double plate[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+                      wall[3][4] = {{50, 0, 0, 0}, {0, 50, 0, 0}, {0, 0, 1, 20}};
+  StyScene *scene = open_scene(0);
+  const int mesh = add_mesh(*state, scene, WALL_OBJ, 30);
+  scene->shadows = false;
+  add_object(scene, mesh, plate, make_material(0.5, 0.5, 0.5, 0, 1));
+  add_object(scene, mesh, wall, make_material(0, 0, 0, 0.8, 1));
+  add_sun(scene, 0, 0, 1, 2, 2, 2);
+  StyImage *guide = trace_paths(scene, &IN_FRONT, 16, 0);
+  static const double expected[5] = {NAN, 0, 0, 0, 0};
+  expect_everywhere(guide, expected, 0);
+  const double mean = get_mean(guide, find_path(guide, FULL, 0)).value;
+  /* Highlights of the exponent 1 fall from 0.8 * 2 where the plate is faced. */
+  assert_true(mean > 0.5 * 0.8 * 2 * 0.7 && mean < 0.5 * 0.8 * 2);
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&scene);
+}
+
 /* Beside the red wall the grey ones are redder than far from it. */
 static void test_red_wall_bleeds(void **state) {
   StyScene *scene = open_room(*state, 0);
@@ -394,6 +414,29 @@ static void test_more_samples_less_noise(void **state) {
     sty_destroy_image(&b);
   }
   assert_true(last < first / 4);
+  sty_destroy_scene(&scene);
+}
+
+/* One sample on a plate takes one lobe or the other: pixels agree with those beside them, and with those of other
+ * blocks, tiles and bands, half of the time. */
+static void test_pixels_are_apart(void **state) {
+  static const double plate[3][4] = {{4, 0, 0, 0}, {0, 4, 0, 0}, {0, 0, 1, 0}};
+  static const int steps[][2] = {{1, 0}, {0, 1}, {4, 0}, {0, 2}, {32, 0}, {0, 32}, {32, 32}, {0, 128}};
+  StyTraceOptions options = ALL_PATHS;
+  options.width = options.height = 256, options.paths.samples = 1;
+  StyScene *scene = open_scene(1);
+  add_object(scene, add_mesh(*state, scene, WALL_OBJ, 30), plate, make_material(0.5, 0.5, 0.5, 0.5, 20));
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+  StyImage *guide = trace(scene, &IN_FRONT, &options, 0);
+  const float *lobe = find_path(guide, LSE, 0);
+  for (size_t s = 0; s < sizeof steps / sizeof *steps; s++) {
+    int same = 0, count = 0;
+    for (int y = 0; y < 256 - steps[s][1]; y++)
+      for (int x = 0; x < 256 - steps[s][0]; x++, count++)
+        same += lobe[y * 256 + x] == lobe[(y + steps[s][1]) * 256 + x + steps[s][0]];
+    expect_near("share of pixels alike", (double)same / count, 0.5, 4 * 0.5 / sqrt(count));
+  }
+  sty_destroy_image(&guide);
   sty_destroy_scene(&scene);
 }
 
@@ -447,12 +490,20 @@ static void test_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_lambert),         cmocka_unit_test(test_direct_is_luma),
-      cmocka_unit_test(test_white_furnace),   cmocka_unit_test(test_glossy_furnace),
-      cmocka_unit_test(test_crowded_furnace), cmocka_unit_test(test_integrating_sphere),
-      cmocka_unit_test(test_sum_of_parts),    cmocka_unit_test(test_mirror),
-      cmocka_unit_test(test_red_wall_bleeds), cmocka_unit_test(test_more_samples_less_noise),
-      cmocka_unit_test(test_same_bytes),      cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_lambert),
+      cmocka_unit_test(test_direct_is_luma),
+      cmocka_unit_test(test_white_furnace),
+      cmocka_unit_test(test_glossy_furnace),
+      cmocka_unit_test(test_crowded_furnace),
+      cmocka_unit_test(test_integrating_sphere),
+      cmocka_unit_test(test_sum_of_parts),
+      cmocka_unit_test(test_mirror),
+      cmocka_unit_test(test_thrown_light),
+      cmocka_unit_test(test_red_wall_bleeds),
+      cmocka_unit_test(test_more_samples_less_noise),
+      cmocka_unit_test(test_pixels_are_apart),
+      cmocka_unit_test(test_same_bytes),
+      cmocka_unit_test(test_refused),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }
