@@ -259,7 +259,8 @@ static const struct argp parser = {
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
         "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.\n\n"
-        "'import' turns another program's file into a guide, 'strokes' measures a picture at several scales, 'warp' bends "
+        "'import' turns another program's file into a guide, 'strokes' measures a picture at several scales, 'warp' "
+        "bends "
         "one by pairs of points; they have options of their own: 'stylut guide import --help' and so on.",
     .children = children,
 };

@@ -64,6 +64,27 @@ rgb() { printf '%s.R,%s.G,%s.B' "$1" "$1" "$1"; }
   expect_same default.exr same.exr
 }
 
+@test "textures colour light, also by bounces" {
+  printf 'v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n' >wall.obj
+  oiiotool --pattern checker:width=4:height=4:color1=1,0,0:color2=0,0.5,1 16x16 3 -d uint8 -o tiles.png
+  cat >tiles.json <<'END_OF_SCENE'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "orthographic", "position": [0, 0, 9], "target": [0, 0, 0], "height": 2 },
+  "objects": [ { "mesh": "wall.obj", "texture": "tiles.png" } ],
+  "lights": [ { "type": "directional", "direction": [0, 0, -1] } ], "ambient": 0 }
+END_OF_SCENE
+  accept guide scene tiles.json -s 16 -c paths,albedo --spp 1 --texture-filter nearest -o tiles.exr
+  expect 'lit tiles' "$(dump tiles.exr "$(rgb LDE)")" "$(dump tiles.exr "$(rgb albedo)")"
+  expect 'colours' "$(dump tiles.exr "$(rgb LDE)" | cut -d' ' -f3- | sort -u | wc -l)" 2
+  sed 's/"texture": "tiles.png" }/"texture": "tiles.png" }, { "mesh": "wall.obj", "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0.5, 0,0,0,1] }/
+    s/"position": \[0, 0, 9\]/"position": [0, 0, 0.3]/; s/"target": \[0, 0, 0\]/"target": [0, 0, 1]/
+    s/"ambient": 0/"shadows": false, "ambient": 0/' tiles.json >lid.json
+  accept guide scene lid.json -s 16 -c LIE,LDE --spp 256 -o lid.exr
+  expect 'direct light' "$(dump lid.exr LDE.R | cut -d' ' -f3 | sort -u)" 0.000000000
+  dump lid.exr "$(rgb LIE)" | awk '{ r += $3; g += $4; b += $5 } END { exit !(r > 1 && g > 0.1 * r && g < 0.4 * r && b > 0.9 * r && b < 1.1 * r) }' ||
+    complain "bounced light isn't that of the tiles"
+}
+
 @test "a sphere in white surroundings" {
   accept guide sphere -s 8 -c paths -o sphere.exr
   expect 'middle' "$(dump sphere.exr full.R,LDE.G,LSE.B,LD12E.R,LIE.G | sed -n 's/^4 4 //p')" \
