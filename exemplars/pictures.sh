@@ -36,6 +36,13 @@ printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s
 "$stylut" compare "$demo/oil.png" "$demo/sharp.png" --failpercent 100 -o "$demo/heat.png" -q
 oiiotool "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"
 
+# A lit room by the ways that its light came.
+"$stylut" guide scene "$(dirname "$0")/box/box.json" -s 180 -c paths --spp 512 -q -o "$demo/box.exr"
+for name in full LDE LSE LD12E LIE; do
+  oiiotool "$demo/box.exr" --ch "$name.R,$name.G,$name.B" --chnames R,G,B --colorconvert linear sRGB -d uint8 -o "$demo/box.$name.png"
+done
+oiiotool "$demo"/box.{full,LDE,LSE,LD12E,LIE}.png --mosaic 5x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/paths.png"
+
 # What a painter would go by, 8x8 pixels at a time: colour, detail (dark), and lines by twice their angle.
 "$stylut" guide strokes "$demo/oil.png" --level 3 --space srgb -c all -q -o "$demo/strokes.exr"
 oiiotool "$demo/strokes.exr" --ch color.R,color.G,color.B,A --chnames R,G,B,A -o "$demo/strokes.1.tif" \

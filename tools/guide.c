@@ -22,12 +22,17 @@ typedef struct Arguments {
   bool flat;
   int frame;  /* index of frames */
   int filter; /* index of filters */
+  StyPathOptions paths;
+  const char *paths_only; /* an option that means nothing without light paths */
   StyContourWeights contour;
   const char *contour_only; /* an option that means nothing without the channel contour */
   const char *previous;
   const char *scene_only;  /* an option that means nothing for a sphere */
   const char *camera_only; /* one that means nothing where a scene file has the camera */
 } Arguments;
+
+/* The channels that textures go into. */
+enum { COLOURED = STY_GUIDE_ALBEDO | STY_GUIDE_LUMA | STY_GUIDE_PATHS };
 
 enum {
   KEY_VIEW = 0x200,
@@ -42,15 +47,17 @@ enum {
   KEY_FILTER,
   KEY_CONTOUR_DEPTH,
   KEY_CONTOUR_NORMAL,
-  KEY_PREVIOUS
+  KEY_PREVIOUS,
+  KEY_SPP
 };
 
 static const struct argp_option options_table[] = {
     {"size", 's', "WxH", 0, "pixels; one number for a square (default: 512)", 0},
     {"channels", 'c', "LIST", 0,
-     "comma-separated: normal, depth, position, object, style, uv, albedo, luma, curvature, contour, motion, or all "
-     "but "
-     "motion: all (default: normal,depth); A, the coverage, is always there",
+     "comma-separated: normal, depth, position, object, style, uv, albedo, luma, curvature, contour, motion; the light "
+     "paths full, LDE (direct diffuse), LSE (direct specular), LD12E (two diffuse bounces), LIE (diffuse "
+     "interreflection), together: paths; or all but motion and paths: all (default: normal,depth); A, the coverage, is "
+     "always there",
      0},
     {"bits", KEY_BITS, "8|16", 0, "precision of a PNG (default: 8)", 0},
     {NULL, 0, NULL, 0, "For scenes:", 0},
@@ -72,6 +79,7 @@ static const struct argp_option options_table[] = {
     {"contour-normal", KEY_CONTOUR_NORMAL, "W", 0, "weight of turning normals (default: 1)", 0},
     {"previous", KEY_PREVIOUS, "MESH|SCENE.json", 0,
      "the scene one frame before, with its own camera: adds the channel motion", 0},
+    {"spp", KEY_SPP, "N", 0, "light paths per pixel, best a power of two; --seed makes others (default: 64)", 0},
     {0},
 };
 
@@ -86,6 +94,7 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
                            *const filters[] = {"bilinear", "nearest", NULL};
   Options *options = &arguments->options;
   int choice = 0;
+  long long samples = 0;
   StyStatus status;
   switch (key) {
     case 's':
@@ -133,6 +142,11 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
       arguments->scene_only = "--previous";
       arguments->previous = text;
       return STY_OK;
+    case KEY_SPP:
+      arguments->scene_only = arguments->paths_only = "--spp";
+      status = sty_parse_integer("--spp", text, 1, STY_MOST_SAMPLES, &samples, &options->error);
+      arguments->paths.samples = (int)samples;
+      return status;
     default:
       arguments->scene_only = "--flat";
       arguments->flat = true;
@@ -162,9 +176,13 @@ static StyStatus check_channels(Arguments *arguments) {
   if (arguments->contour_only && !(arguments->groups & STY_GUIDE_CONTOUR))
     return sty_fail(error, STY_ERROR_USAGE, "%s: found without the channel contour, expected it in --channels",
                     arguments->contour_only);
-  if (arguments->filter && !(arguments->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA)))
+  if (arguments->paths_only && !(arguments->groups & STY_GUIDE_PATHS))
     return sty_fail(error, STY_ERROR_USAGE,
-                    "--texture-filter: found without the channels albedo and luma, expected one in --channels");
+                    "%s: found without the channels full, LDE, LSE, LD12E and LIE, expected one in --channels",
+                    arguments->paths_only);
+  if (arguments->filter && !(arguments->groups & COLOURED))
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--texture-filter: found without the channels albedo, luma and paths, expected one in --channels");
   return STY_OK;
 }
 
@@ -224,12 +242,14 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_CONTOUR_DEPTH:
     case KEY_CONTOUR_NORMAL:
     case KEY_PREVIOUS:
+    case KEY_SPP:
     case KEY_FLAT: return end_option(set_option(arguments, key, text));
     default: return ARGP_ERR_UNKNOWN;
   }
 }
 
-static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {
+    {&output_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
@@ -302,7 +322,7 @@ static StyStatus list_inputs(const Work *work, const char ***out, int *count, St
     if (!scene || !sty_is_scene_file(files[s])) continue;
     for (int m = 0; m < scene->mesh_count; m++) inputs[(*count)++] = scene->meshes[m]->path;
   }
-  const bool coloured = arguments->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA);
+  const bool coloured = arguments->groups & COLOURED;
   for (int t = 0; coloured && work->shot.scene && t < work->shot.scene->texture_count; t++)
     inputs[(*count)++] = work->shot.scene->textures[t];
   *out = inputs;
@@ -347,7 +367,8 @@ static StyStatus trace_scene(Work *work, StyError *error) {
                                  .ray_frame = arguments->frame == 1,
                                  .nearest_texels = arguments->filter == 1,
                                  .contour = arguments->contour,
-                                 .previous = {work->previous.scene, &work->previous.camera}};
+                                 .previous = {work->previous.scene, &work->previous.camera},
+                                 .paths = {arguments->paths.samples, arguments->options.seed}};
   const StyRun run = begin_progress(&arguments->options, "tracing");
   const StyStatus status = sty_trace_rows(work->shot.scene, &work->shot.camera, &trace, &run,
                                           &(StyRowSink){take_rows, work}, &work->trace, error);
@@ -451,6 +472,7 @@ StyStatus run_guide(int argc, char **argv) {
       .view = {.margin = sty_default_view.margin},
       .mesh_options = {.crease_angle = -1},
       .contour = sty_default_contour,
+      .paths = sty_default_paths,
   };
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);

@@ -17,6 +17,8 @@
  *   contour.Y            strength of the outline, 0..1, see StyContourWeights; miss 0
  *   motion.U .V          pixels from this frame to where the same point was in the previous one, +U
  *                        right, +V down; 0 where that lies behind the camera; miss 0
+ *   full LDE LSE LD12E LIE, each .R .G .B
+ *                        scene-linear colour of the lit surface by the ways that light came, see StyPathOptions; miss 0
  * View space: +X right, +Y up, +Z toward the viewer. A shading normal that
  * would face away from its view ray is bent to the horizon.
  * In the ray frame, +Z is the way back along the pixel's own view ray, +X is the camera's right
@@ -25,6 +27,8 @@
  * Orthographic, both frames are the same. */
 #ifndef STYLUT_GUIDE_H
 #define STYLUT_GUIDE_H
+
+#include <stdint.h>
 
 #include "stylut/image.h"
 #include "stylut/parallel.h"
@@ -47,16 +51,22 @@ typedef enum StyChannelGroup {
   STY_GUIDE_CURVATURE = 1 << 8,
   STY_GUIDE_CONTOUR = 1 << 9,
   STY_GUIDE_MOTION = 1 << 10, /* needs a previous frame, so that "all" doesn't hold it */
+  STY_GUIDE_FULL = 1 << 11,   /* these five take many rays a pixel, so that "all" doesn't hold them; "paths" does */
+  STY_GUIDE_LDE = 1 << 12,
+  STY_GUIDE_LSE = 1 << 13,
+  STY_GUIDE_LD12E = 1 << 14,
+  STY_GUIDE_LIE = 1 << 15,
+  STY_GUIDE_PATHS = STY_GUIDE_FULL | STY_GUIDE_LDE | STY_GUIDE_LSE | STY_GUIDE_LD12E | STY_GUIDE_LIE,
 } StyChannelGroup;
 
-/* "normal,depth,..." or "all" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */
+/* "normal,depth,...", "all" or "paths" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */
 StyStatus sty_parse_channels(const char *what, const char *text, unsigned *groups, StyError *error);
 
 /* The unit sphere, orthographic, filling a width x height picture (an ellipse
  * where the sides differ): normal (x, y, sqrt(1-x*x-y*y)) at the pixel centre's
  * x = (i+1/2)/width*2-1, y = 1-(j+1/2)/height*2, where x*x+y*y <= 1. Its depth
  * counts from the plane z = 1 that touches the sphere; position = normal;
- * object 1. */
+ * object 1. Its light is ambient, 1 from everywhere: full, LDE and LD12E are 1, LSE and LIE 0. */
 StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error);
 
 /* What makes an outline (thesis of the Unreal plugin, seed 000, 3.4.2: the weighted sum of what depth and normals do
@@ -69,6 +79,36 @@ typedef struct StyContourWeights {
 
 #define STY_CONTOUR_SPAN 16
 extern const StyContourWeights sty_default_contour; /* 1, 1 */
+
+/* How the light-path channels are sampled. They are sums over the ways that light takes from a source L to the eye E by
+ * diffuse (D) and glossy (S) reflections, first to last (Heckbert 1990); the channels are StyLit's (Fiser et al. 2016):
+ *   full   L[DS]+E      everything that surfaces send to the eye
+ *   LDE    LDE          direct diffuse
+ *   LSE    LSE          direct specular
+ *   LD12E  LDE, LDDE    the first two diffuse bounces
+ *   LIE    L[DS]*DDE    diffuse interreflection (StyLit's L.*DDE)
+ * full = LDE + LSE + LIE + what has no channel: L[DS]*SDE (light thrown on diffuse surfaces by glossy ones) and
+ * L[DS]+SE (what glossy surfaces mirror). No way is in two of these five; both of the last are 0 where nothing has a
+ * highlight. LD12E is LDE and the part LDDE of LIE.
+ *
+ * Sources are the scene's lights, as for luma: at ambient 0 the luminance of LDE + LSE is luma.Y, without any noise.
+ * Ambient light is a surrounding of that radiance, seen by every ray that leaves the scene: it lights white to
+ * `ambient`, less what stands in its way, where luma's is never hidden.
+ * Bounces: a surface sends its albedo on as Lambert does. A highlight's lobe is that of facets whose normals have the
+ * density (shininess+1)/2pi cos^shininess about the surface's (Blinn 1977), and mirrors `specular` of what comes, for
+ * any shininess: a wall that a light brings to 1 is mirrored as bright as the peak of that light's own highlight.
+ * Where albedo and specular sum to more than 1, bounces scale the albedo down so that they don't: no bounce gives back
+ * more than it got. Ways that would lead below the facet are mirrored to above it.
+ * Each way ends after STY_MOST_BOUNCES surfaces, which at albedo 0.9 leaves out 0.1 % of the light in a closed room,
+ * and from the fourth on by Russian roulette, which changes no mean. Samples are scrambled Sobol points (Burley 2020),
+ * of a pixel's place, the seed and nothing else: channels have the same values whichever others are asked for. */
+typedef struct StyPathOptions {
+  int samples; /* ways per pixel, 1..STY_MOST_SAMPLES; powers of 2 are best spread */
+  uint64_t seed;
+} StyPathOptions;
+
+enum { STY_MOST_SAMPLES = 65536, STY_MOST_BOUNCES = 64 };
+extern const StyPathOptions sty_default_paths; /* 64, 0 */
 
 /* Of a scene one frame before: it must be alike (sty_check_alike). */
 typedef struct StyPrevious {
@@ -84,6 +124,7 @@ typedef struct StyTraceOptions {
   bool nearest_texels;       /* textures are looked up without interpolation */
   StyContourWeights contour; /* for STY_GUIDE_CONTOUR */
   StyPrevious previous;      /* for STY_GUIDE_MOTION */
+  StyPathOptions paths;      /* for STY_GUIDE_PATHS */
 } StyTraceOptions;
 
 typedef struct StyTraceTimes {
@@ -99,12 +140,11 @@ typedef struct StyRowSink {
   void *context;
 } StyRowSink;
 
-/* Casts one ray per pixel with Embree, in tiles on all threads of `run`, band by band; the result does not depend on
- * their number. While a band is traced, a thread of its own hands the one before to the sink, so that no more than two
- * bands are held. `times` may be NULL.
- * Depth of a fitted orthographic camera counts from the eye's plane.
- * Errors: those of the sink; STY_ERROR_USAGE (channels that lack what they need), STY_ERROR_INPUT (scenes that aren't
- * alike, textures), STY_ERROR_LIBRARY. */
+/* Casts one ray per pixel with Embree (more for luma and light paths), in tiles on all threads of `run`, band by band;
+ * the result does not depend on their number. While a band is traced, a thread of its own hands the one before to the
+ * sink, so that no more than two bands are held. `times` may be NULL. Depth of a fitted orthographic camera counts from
+ * the eye's plane. Errors: those of the sink; STY_ERROR_USAGE (channels that lack what they need, a number of samples),
+ * STY_ERROR_INPUT (scenes that aren't alike, textures), STY_ERROR_LIBRARY. */
 StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                          const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error);
 

@@ -16,6 +16,11 @@ const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT] = {
     {STY_GUIDE_CURVATURE, "curvature", 1, {"curvature.Y"}, 0, offsetof(StySample, curvature)},
     {STY_GUIDE_CONTOUR, "contour", 1, {"contour.Y"}, 0, offsetof(StySample, contour)},
     {STY_GUIDE_MOTION, "motion", 2, {"motion.U", "motion.V"}, 0, offsetof(StySample, motion)},
+    {STY_GUIDE_FULL, "full", 3, {"full.R", "full.G", "full.B"}, 0, offsetof(StySample, paths.full)},
+    {STY_GUIDE_LDE, "LDE", 3, {"LDE.R", "LDE.G", "LDE.B"}, 0, offsetof(StySample, paths.lde)},
+    {STY_GUIDE_LSE, "LSE", 3, {"LSE.R", "LSE.G", "LSE.B"}, 0, offsetof(StySample, paths.lse)},
+    {STY_GUIDE_LD12E, "LD12E", 3, {"LD12E.R", "LD12E.G", "LD12E.B"}, 0, offsetof(StySample, paths.ld12e)},
+    {STY_GUIDE_LIE, "LIE", 3, {"LIE.R", "LIE.G", "LIE.B"}, 0, offsetof(StySample, paths.lie)},
 };
 
 static unsigned get_all_groups(void) {
@@ -24,22 +29,25 @@ static unsigned get_all_groups(void) {
   return all;
 }
 
-/* The group called by the first `length` characters of `text`; 0 for none. */
-static unsigned find_group(const char *text, size_t length) {
-  for (int g = 0; g < STY_GROUP_COUNT; g++) {
-    const char *name = STY_CHANNEL_GROUPS[g].name;
-    if (strlen(name) == length && memcmp(name, text, length) == 0) return STY_CHANNEL_GROUPS[g].group;
-  }
-  return length == 3 && memcmp(text, "all", 3) == 0 ? get_all_groups() & ~(unsigned)STY_GUIDE_MOTION : 0;
+static bool is_word(const char *text, size_t length, const char *word) {
+  return strlen(word) == length && memcmp(word, text, length) == 0;
+}
+
+/* The groups called by the first `length` characters of `text`; 0 for none. */
+static unsigned find_groups(const char *text, size_t length) {
+  for (int g = 0; g < STY_GROUP_COUNT; g++)
+    if (is_word(text, length, STY_CHANNEL_GROUPS[g].name)) return STY_CHANNEL_GROUPS[g].group;
+  if (is_word(text, length, "paths")) return STY_GUIDE_PATHS;
+  return is_word(text, length, "all") ? get_all_groups() & ~(unsigned)(STY_GUIDE_MOTION | STY_GUIDE_PATHS) : 0;
 }
 
 static StyStatus fail_group(const char *what, const char *text, size_t length, StyError *error) {
-  char names[128] = "";
+  char names[256] = "";
   for (int g = 0; g < STY_GROUP_COUNT; g++) {
     const size_t used = strlen(names);
     snprintf(names + used, sizeof names - used, "%s, ", STY_CHANNEL_GROUPS[g].name);
   }
-  return sty_fail(error, STY_ERROR_USAGE, "%s: found '%.*s', expected a comma-separated list of %sor all", what,
+  return sty_fail(error, STY_ERROR_USAGE, "%s: found '%.*s', expected a comma-separated list of %spaths or all", what,
                   (int)(length < 64 ? length : 64), text, names);
 }
 
@@ -47,9 +55,9 @@ StyStatus sty_parse_channels(const char *what, const char *text, unsigned *group
   unsigned found = 0;
   for (const char *at = text;;) {
     const size_t length = strcspn(at, ",");
-    const unsigned group = find_group(at, length);
-    if (group == 0) return fail_group(what, at, length, error);
-    found |= group;
+    const unsigned named = find_groups(at, length);
+    if (named == 0) return fail_group(what, at, length, error);
+    found |= named;
     if (at[length] == '\0') break;
     at += length + 1;
   }

@@ -11,7 +11,12 @@
 #include "stylut/guide.h"
 
 #define STY_GROUP_CHANNELS 3 /* at most, per group */
-#define STY_GROUP_COUNT 11
+#define STY_GROUP_COUNT 16
+
+/* Light by the ways it came, scene-linear; see StyPathOptions. */
+typedef struct StyPathLight {
+  double full[3], lde[3], lse[3], ld12e[3], lie[3];
+} StyPathLight;
 
 /* What a guide says about one covered pixel; only the groups asked for are set. */
 typedef struct StySample {
@@ -26,6 +31,7 @@ typedef struct StySample {
   double curvature;
   double contour;
   double motion[2];
+  StyPathLight paths;
 } StySample;
 
 typedef struct StyChannelGroupInfo {

@@ -1,6 +1,7 @@
 #include "guide/light.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "scene/points.h"
 #include "scene/vector.h"
@@ -23,23 +24,23 @@ double sty_get_intensity(const StyScene *scene, const StyLight *light, double di
 }
 
 /* Of one light that is not hidden. */
-static double reflect(const StyBlock *block, int i, const StyLight *light, const double to[3], double received) {
+static void reflect(const StyBlock *block, int i, const StyLight *light, const double to[3], double received,
+                    StyShine *shine) {
   const StyHit *hit = &block->hits[i];
   const StyLane *direction = block->rays.direction;
-  double colour[3], half[3], toward[3] = {-direction[0][i], -direction[1][i], -direction[2][i]};
-  for (int k = 0; k < 3; k++) colour[k] = block->albedo[i][k] * light->colour[k];
-  double luma = get_luminance(colour) * dot_vectors(hit->shading, to);
-  if (hit->material->specular > 0 && normalize_vector(toward)) {
-    for (int k = 0; k < 3; k++) half[k] = toward[k] + to[k];
-    if (normalize_vector(half))
-      luma += get_luminance(light->colour) * hit->material->specular *
-              pow(fmax(0, dot_vectors(hit->shading, half)), hit->material->shininess);
-  }
-  return luma * received;
+  const double cosine = dot_vectors(hit->shading, to);
+  for (int k = 0; k < 3; k++) shine->diffuse[k] += block->albedo[i][k] * light->colour[k] * cosine * received;
+  double half[3], toward[3] = {-direction[0][i], -direction[1][i], -direction[2][i]};
+  if (!(hit->material->specular > 0) || !normalize_vector(toward)) return;
+  for (int k = 0; k < 3; k++) half[k] = toward[k] + to[k];
+  if (!normalize_vector(half)) return;
+  const double lobe = pow(fmax(0, dot_vectors(hit->shading, half)), hit->material->shininess);
+  for (int k = 0; k < 3; k++) shine->highlight[k] += light->colour[k] * hit->material->specular * lobe * received;
 }
 
 /* One light's share for all pixels of a block at once. */
-static void add_light(const StyScene *scene, const StyTracer *tracer, const StyLight *light, StyBlock *block) {
+static void add_light(const StyScene *scene, const StyTracer *tracer, const StyLight *light, const StyBlock *block,
+                      StyShine shine[STY_RAYS]) {
   _Alignas(32) int asks[STY_RAYS];
   double to[STY_RAYS][3], distances[STY_RAYS];
   for (int i = 0; i < STY_RAYS; i++) {
@@ -49,11 +50,21 @@ static void add_light(const StyScene *scene, const StyTracer *tracer, const StyL
   }
   if (scene->shadows) sty_trace_shadows(tracer, block->hits, to, distances, asks);
   for (int i = 0; i < STY_RAYS; i++)
-    if (asks[i]) block->luma[i] += reflect(block, i, light, to[i], sty_get_intensity(scene, light, distances[i]));
+    if (asks[i]) reflect(block, i, light, to[i], sty_get_intensity(scene, light, distances[i]), &shine[i]);
+}
+
+void sty_shine_on_block(const StyScene *scene, const StyTracer *tracer, const StyBlock *block,
+                        StyShine shine[STY_RAYS]) {
+  memset(shine, 0, STY_RAYS * sizeof *shine);
+  for (int l = 0; l < scene->light_count; l++) add_light(scene, tracer, &scene->lights[l], block, shine);
 }
 
 void sty_light_block(const StyScene *scene, const StyTracer *tracer, StyBlock *block) {
-  for (int i = 0; i < STY_RAYS; i++)
-    block->luma[i] = block->valid[i] ? scene->ambient * get_luminance(block->albedo[i]) : 0;
-  for (int l = 0; l < scene->light_count; l++) add_light(scene, tracer, &scene->lights[l], block);
+  StyShine shine[STY_RAYS];
+  sty_shine_on_block(scene, tracer, block, shine);
+  for (int i = 0; i < STY_RAYS; i++) {
+    if (!block->valid[i]) continue;
+    block->luma[i] = scene->ambient * get_luminance(block->albedo[i]) + get_luminance(shine[i].diffuse) +
+                     get_luminance(shine[i].highlight);
+  }
 }

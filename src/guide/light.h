@@ -16,10 +16,21 @@ typedef struct StyBlock {
 /* From a hit to the light: a unit vector, and the distance in trace units; false where they are in one place. */
 bool sty_aim_at_light(const StyScene *scene, const StyLight *light, const StyHit *hit, double to[3], double *distance);
 
+/* What surfaces send back of the lights that they see, scene-linear. */
+typedef struct StyShine {
+  double diffuse[3], highlight[3];
+} StyShine;
+
 /* What of the light's colour reaches a surface that faces it, `distance` trace units away. */
 double sty_get_intensity(const StyScene *scene, const StyLight *light, double distance);
 
-/* Fills block->luma from hits and albedo. Thread-safe. */
+/* What the scene's lights, ambient apart, do at the hits, seen back along the rays; 0 where valid[i] is. Thread-safe.
+ */
+void sty_shine_on_block(const StyScene *scene, const StyTracer *tracer, const StyBlock *block,
+                        StyShine shine[STY_RAYS]);
+
+/* Fills block->luma from hits and albedo: ambient light, wherever it comes from, and what the others do. Thread-safe.
+ */
 void sty_light_block(const StyScene *scene, const StyTracer *tracer, StyBlock *block);
 
 #endif

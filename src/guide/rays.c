@@ -10,8 +10,8 @@
 #include "scene/vector.h"
 #include "stylut/version.h"
 
-/* Shadow rays start this far off the surface (trace units). */
-static const double SHADOW_START = 1.0 / 32768;
+/* Rays that leave a surface start this far off it (trace units). */
+static const double RAY_START = 1.0 / 32768;
 
 /* ---- what is traced ---- */
 
@@ -425,17 +425,13 @@ bool sty_trace_rays(const StyTracer *tracer, const StyRays *rays, bool coherent,
   return any;
 }
 
-static void set_shadow_ray(StyRays *rays, int i, const StyHit *hit, const double to[3]) {
-  StyRay ray;
+void sty_leave_hit(const StyHit *hit, const double to[3], StyRay *out) {
   double off[3] = {hit->facet[0], hit->facet[1], hit->facet[2]};
   normalize_vector(off);
   /* Where only the interpolated normal faces the light, the facet is seen from behind by it. */
-  const double side = dot_vectors(off, to) < 0 ? -SHADOW_START : SHADOW_START;
-  for (int k = 0; k < 3; k++) {
-    ray.origin[k] = hit->at[k] + side * off[k];
-    ray.direction[k] = to[k];
-  }
-  sty_set_ray(rays, i, &ray);
+  const double side = dot_vectors(off, to) < 0 ? -RAY_START : RAY_START;
+  for (int k = 0; k < 3; k++) out->origin[k] = hit->at[k] + side * off[k];
+  memcpy(out->direction, to, sizeof out->direction);
 }
 
 void sty_trace_shadows(const StyTracer *tracer, const StyHit hits[STY_RAYS], double to[STY_RAYS][3],
@@ -444,8 +440,12 @@ void sty_trace_shadows(const StyTracer *tracer, const StyHit hits[STY_RAYS], dou
   _Alignas(32) struct RTCRay8 packet;
   StyRays rays = {0};
   rtcInitIntersectContext(&context);
-  for (int i = 0; i < STY_RAYS; i++)
-    if (asks[i]) set_shadow_ray(&rays, i, &hits[i], to[i]);
+  for (int i = 0; i < STY_RAYS; i++) {
+    if (!asks[i]) continue;
+    StyRay ray;
+    sty_leave_hit(&hits[i], to[i], &ray);
+    sty_set_ray(&rays, i, &ray);
+  }
   set_rays(&packet, &rays);
   for (int i = 0; i < STY_RAYS; i++)
     if (asks[i]) packet.tfar[i] = (float)distances[i];

@@ -68,6 +68,9 @@ void sty_close_tracer(StyTracer **tracer);
 bool sty_trace_rays(const StyTracer *tracer, const StyRays *rays, bool coherent, unsigned parts, int *valid,
                     StyHit hits[STY_RAYS]);
 
+/* The ray that leaves a hit along a unit vector, from a little off the surface, on whichever side it goes to. */
+void sty_leave_hit(const StyHit *hit, const double to[3], StyRay *out);
+
 /* Clears asks[i] (-1 or 0; 32-byte aligned) where something stands on the way from hit i along to[i], a unit vector,
  * within `distances[i]` trace units. Thread-safe. */
 void sty_trace_shadows(const StyTracer *tracer, const StyHit hits[STY_RAYS], double to[STY_RAYS][3],

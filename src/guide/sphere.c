@@ -20,7 +20,8 @@ static void fill_sphere(const StyGuide *guide) {
                                 .albedo = {1, 1, 1},
                                 .luma = 1,
                                 .uv = {0.5 + atan2(x, z) / (2 * M_PI), 0.5 + asin(y) / M_PI},
-                                .curvature = 1};
+                                .curvature = 1,
+                                .paths = {.full = {1, 1, 1}, .lde = {1, 1, 1}, .ld12e = {1, 1, 1}}};
       sty_set_sample(guide, (size_t)j * (size_t)width + (size_t)i, &sample);
     }
   }

@@ -9,6 +9,7 @@
 #include "guide/contour.h"
 #include "guide/light.h"
 #include "guide/paint.h"
+#include "guide/paths.h"
 #include "scene/points.h"
 #include "scene/vector.h"
 
@@ -29,9 +30,10 @@ typedef struct Render {
   StyPalette *palette; /* NULL where no channel asks for colours */
   const StyCamera *camera;
   const StyTraceOptions *options;
-  unsigned groups; /* what is asked for, and what that takes */
-  unsigned parts;  /* StyHitPart */
-  double width;    /* of a pixel at depth 1, or at any for an orthographic camera; scene units */
+  unsigned groups;    /* what is asked for, and what that takes */
+  unsigned parts;     /* StyHitPart */
+  StyPathWorld world; /* for light paths */
+  double width;       /* of a pixel at depth 1, or at any for an orthographic camera; scene units */
 } Render;
 
 /* ---- pixels ---- */
@@ -127,7 +129,8 @@ static void shade_motion(const Render *render, const StyHit *hit, double motion[
   for (int k = 0; k < 2; k++) motion[k] = then[k] - now[k];
 }
 
-static void shade_hit(const Render *render, const StyBlock *block, int i, const StyGuide *guide, size_t pixel) {
+static void shade_hit(const Render *render, const StyBlock *block, int i, const StyPathLight *paths,
+                      const StyGuide *guide, size_t pixel) {
   const StyHit *hit = &block->hits[i];
   StySample sample; /* no more of it is set than is read */
   sample.object = hit->object;
@@ -140,6 +143,7 @@ static void shade_hit(const Render *render, const StyBlock *block, int i, const 
   if (render->groups & STY_GUIDE_UV) memcpy(sample.uv, hit->uv, sizeof sample.uv);
   if (render->groups & STY_GUIDE_CURVATURE) sample.curvature = hit->curvature * render->scene->scale;
   if (render->groups & STY_GUIDE_MOTION) shade_motion(render, hit, sample.motion);
+  if (render->groups & STY_GUIDE_PATHS) sample.paths = *paths;
   sty_set_sample(guide, pixel, &sample);
 }
 
@@ -156,8 +160,10 @@ static void trace_block(const Band *band, int x0, int y0) {
   const Render *render = band->render;
   const int width = render->options->width;
   StyBlock block;
+  StyPathLight paths[STY_RAYS];
+  int pixels[STY_RAYS][2];
   for (int i = 0; i < STY_RAYS; i++) {
-    const int x = x0 + i % BLOCK_WIDTH, y = y0 + i / BLOCK_WIDTH;
+    const int x = pixels[i][0] = x0 + i % BLOCK_WIDTH, y = pixels[i][1] = y0 + i / BLOCK_WIDTH;
     block.valid[i] = x < width && y < render->options->height ? -1 : 0;
   }
   make_rays(render, x0, y0, &block.rays);
@@ -165,10 +171,11 @@ static void trace_block(const Band *band, int x0, int y0) {
   for (int i = 0; i < STY_RAYS; i++)
     if (block.valid[i] && render->palette) sty_get_albedo(render->palette, &block.hits[i], block.albedo[i]);
   if (render->groups & STY_GUIDE_LUMA) sty_light_block(render->scene, render->tracer, &block);
+  if (render->groups & STY_GUIDE_PATHS) sty_trace_paths(&render->world, &block, pixels, paths);
   for (int i = 0; i < STY_RAYS; i++) {
-    const int x = x0 + i % BLOCK_WIDTH, row = y0 + i / BLOCK_WIDTH - band->first;
+    const int x = pixels[i][0], row = pixels[i][1] - band->first;
     if (block.valid[i] && row < band->guide->image->height)
-      shade_hit(render, &block, i, band->guide, (size_t)row * (size_t)width + (size_t)x);
+      shade_hit(render, &block, i, &paths[i], band->guide, (size_t)row * (size_t)width + (size_t)x);
   }
 }
 
@@ -212,9 +219,13 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
 }
 
 static StyStatus check_options(const StyScene *scene, const StyTraceOptions *options, StyError *error) {
+  const int samples = options->paths.samples;
   if (options->width < 1 || options->height < 1)
     return sty_fail(error, STY_ERROR_INPUT, "guide: found %dx%d pixels, expected at least 1x1", options->width,
                     options->height);
+  if (options->groups & STY_GUIDE_PATHS && (samples < 1 || samples > STY_MOST_SAMPLES))
+    return sty_fail(error, STY_ERROR_USAGE, "light paths: found %d samples a pixel, expected 1 to %d", samples,
+                    STY_MOST_SAMPLES);
   if (!(options->groups & STY_GUIDE_MOTION)) return STY_OK;
   if (!options->previous.scene)
     return sty_fail(error, STY_ERROR_USAGE, "channel motion: found no previous scene, expected one");
@@ -222,11 +233,14 @@ static StyStatus check_options(const StyScene *scene, const StyTraceOptions *opt
   return status ? status : check_camera(options->previous.camera, error);
 }
 
+/* The channels that the surfaces' colours, and their light, go into. */
+enum { LIT = STY_GUIDE_LUMA | STY_GUIDE_PATHS, COLOURED = LIT | STY_GUIDE_ALBEDO };
+
 /* What of a hit the channels are made from. */
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
-  const bool textured = scene->texture_count > 0 && groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA);
-  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_LUMA | STY_GUIDE_CURVATURE)) parts |= STY_HIT_SHADING;
+  const bool textured = scene->texture_count > 0 && groups & COLOURED;
+  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | LIT)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
   return parts;
@@ -242,11 +256,17 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
   render->parts = get_parts(render->groups, scene);
   render->width = 2 * render->camera->half_height / options->height;
   if (!render->camera->perspective) render->width /= scene->scale;
-  if (!status && options->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA))
+  if (!status && options->groups & COLOURED)
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
   const double start = sty_get_milliseconds();
   if (!status) status = sty_open_tracer(scene, &render->tracer, error);
   times->build_ms = sty_get_milliseconds() - start;
+  render->world = (StyPathWorld){.scene = scene,
+                                 .tracer = render->tracer,
+                                 .palette = render->palette,
+                                 .parts = get_parts(render->groups & STY_GUIDE_PATHS, scene),
+                                 .groups = render->groups,
+                                 .options = options->paths};
   return status;
 }
 

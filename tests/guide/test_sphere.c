@@ -68,7 +68,7 @@ static void test_channel_names(void **state) {
   assert_int_equal(sty_parse_channels("-c", "depth,object,depth", &groups, &error), STY_OK);
   assert_int_equal(groups, STY_GUIDE_DEPTH | STY_GUIDE_OBJECT);
   assert_int_equal(sty_parse_channels("-c", "all", &groups, &error), STY_OK);
-  assert_int_equal(groups, ALL);
+  assert_int_equal(groups, ALL | STY_GUIDE_UV | STY_GUIDE_CURVATURE | STY_GUIDE_CONTOUR);
   static const char *const BAD[] = {"", ",", "normal,", ",normal", "norm", "normals", "Normal", "normal depth"};
   for (size_t i = 0; i < sizeof BAD / sizeof *BAD; i++) {
     groups = 99;

@@ -1,0 +1,24 @@
+/* Light by the ways it came: a path tracer from what a picture's rays have met, see StyPathOptions. */
+#ifndef STYLUT_GUIDE_PATHS_H
+#define STYLUT_GUIDE_PATHS_H
+
+#include "guide/channels.h"
+#include "guide/light.h"
+#include "guide/paint.h"
+
+/* What paths lead through. */
+typedef struct StyPathWorld {
+  const StyScene *scene;
+  const StyTracer *tracer;
+  const StyPalette *palette;
+  unsigned parts;  /* StyHitPart: of hits, those that colour and light take */
+  unsigned groups; /* of StyChannelGroup; ways that none of these holds need not be walked */
+  StyPathOptions options;
+} StyPathWorld;
+
+/* Fills paths[i] where block->valid[i] is set, from hits and albedo; pixels[i] is where in the picture that is.
+ * Thread-safe. */
+void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int pixels[STY_RAYS][2],
+                     StyPathLight paths[STY_RAYS]);
+
+#endif
