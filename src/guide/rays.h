@@ -44,6 +44,9 @@ typedef struct StyHit {
 StyStatus sty_open_tracer(const StyScene *scene, StyTracer **out, StyError *error);
 void sty_close_tracer(StyTracer **tracer);
 
+/* Most memory that Embree took at a time, bytes. */
+double sty_get_tracer_bytes(const StyTracer *tracer);
+
 /* Traces those of a block's rays whose valid[i] is -1 (others 0; 32-byte aligned) and clears valid[i] of those
  * that meet nothing. `coherent`: the rays run side by side. `parts` is a set of StyHitPart. Thread-safe. */
 void sty_trace_rays(const StyTracer *tracer, const StyRay rays[STY_RAYS], bool coherent, unsigned parts, int *valid,

@@ -253,6 +253,7 @@ StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const S
                           .make = trace_band,
                           .context = &render};
   if (!status) status = sty_stream_bands(&bands, run, sink, &found.first_ms, error);
+  if (!status) found.tree_bytes = sty_get_tracer_bytes(render.tracer);
   sty_close_tracer(&render.tracer);
   sty_close_palette(&render.palette);
   if (status) return status;
