@@ -47,24 +47,26 @@ set multiplot layout 1,3
 set logscale x
 set xlabel "triangles"
 set grid lc rgb "#dddddd"
-set key top right reverse Left
+set key bottom left reverse Left
 models = "creature torus bust"
 colour(i) = word("#c2410c #1d4ed8 #15803d", i)
 of(model, kind, column) = strcol(1) eq model && strcol(2) eq kind ? column : NaN
 set datafile missing NaN
 set logscale y
+set yrange [0.01:1000]
 set title "Normals' change, 99th percentile, degrees"
 plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):6 skip 1 with linespoints pt 7 ps 0.5 lc rgb colour(i) title word(models, i), \
   for [i=1:3] "simplify.csv" using (of(word(models, i), "auto", $3)):6 skip 1 with points pt 6 ps 1.4 lw 2 lc rgb colour(i) notitle, \
   1 with lines dt 2 lc rgb "#888888" title "--max-error 1; rings: auto"
 unset logscale y
+set key top right
 set yrange [0:*]
 set title "Silhouettes' move, pixels (at most 4 are told)"
 plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):7 skip 1 with linespoints pt 7 ps 0.5 lc rgb colour(i) notitle, \
   for [i=1:3] "simplify.csv" using (of(word(models, i), "auto", $3)):7 skip 1 with points pt 6 ps 1.4 lw 2 lc rgb colour(i) notitle, \
   0.5 with lines dt 2 lc rgb "#888888" title "half a pixel"
 set yrange [0:1.1]
-set title "Render time (lines) and memory (dashed), of the full mesh's"
+set title "Time (solid), memory (dashed), full mesh = 1"
 plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):($8 / $9) skip 1 with linespoints pt 7 ps 0.5 lc rgb colour(i) notitle, \
   for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):($10 / $11) skip 1 with lines dt 2 lw 2 lc rgb colour(i) notitle
 END
