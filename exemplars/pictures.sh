@@ -36,6 +36,27 @@ printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s
 "$stylut" compare "$demo/oil.png" "$demo/sharp.png" --failpercent 100 -o "$demo/heat.png" -q
 oiiotool "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"
 
+# What a painter would go by, 8x8 pixels at a time: colour, detail (dark), and lines by twice their angle.
+"$stylut" guide strokes "$demo/oil.png" --level 3 --space srgb -c all -q -o "$demo/strokes.exr"
+oiiotool "$demo/strokes.exr" --ch color.R,color.G,color.B,A --chnames R,G,B,A -o "$demo/strokes.1.tif" \
+  "$demo/strokes.exr" --ch detail.Y,detail.Y,detail.Y,A --mulc -5,-5,-5,1 --addc 1,1,1,0 --chnames R,G,B,A -o "$demo/strokes.2.tif" \
+  "$demo/strokes.exr" --ch line.X,line.Y,B=0.5,A --mulc 0.5,0.5,1,1 --addc 0.5,0.5,0,0 --chnames R,G,B,A -o "$demo/strokes.3.tif"
+for k in 1 2 3; do on_paper "$demo/strokes.$k.tif" "$demo/strokes.$k.png" 300; done
+oiiotool "$demo"/strokes.[123].png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/strokes.png"
+
+# The creature bent by pairs of points: as it is, and by each kind.
+# A pixel's texture coordinate is that of its centre and what the field adds; the rim mixes with what is beyond it.
+bend() { # KIND
+  local field=$demo/warp.$1.exr
+  "$stylut" guide warp "$(dirname "$0")/warp.json" -s 450x512 --kind "$1" -q -o "$field"
+  oiiotool "$out/oil.png" --ch R,G,B "$field" --ch motion.U,motion.V --mulc 0.002222222,0.001953125 \
+    --pattern fill:topleft=0.001111111,0.000976563:topright=0.998888889,0.000976563:bottomleft=0.001111111,0.999023438:bottomright=0.998888889,0.999023438 \
+    450x512 2 --add --st_warp "$field" --ch A,A,A --erode 3x3 --mul "$field" --ch A,A,A --erode 3x3 --mulc -1 --addc 1 --add --resize 300x341 -d uint8 \
+    -o "$demo/warp.$1.png"
+}
+for kind in affine similarity rigid; do bend $kind; done
+oiiotool "$demo"/warp.{affine,similarity,rigid}.png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/warp.png"
+
 # The report on the creature as its own exemplar, as a browser shows it: few
 # texels and six bits a colour keep the picture small.
 here=$(dirname "$0")

@@ -5,6 +5,10 @@
 #include "stylut/status.h"
 
 StyStatus run_guide(int argc, char **argv);
+StyStatus run_guide_import(int argc, char **argv);
+StyStatus run_guide_strokes(int argc, char **argv);
+StyStatus run_guide_warp(int argc, char **argv);
+StyStatus run_guide_flow(int argc, char **argv);
 StyStatus run_lut(int argc, char **argv);
 StyStatus run_check(int argc, char **argv);
 StyStatus run_report(int argc, char **argv);

@@ -219,12 +219,15 @@ static StyStatus check_simplify(Arguments *arguments) {
 }
 
 static StyStatus check_arguments(Arguments *arguments) {
-  static const char *const kinds[] = {"sphere", "scene", NULL};
+  static const char *const kinds[] = {"sphere", "scene", "strokes", "warp", NULL};
   StyError *error = &arguments->options.error;
   int kind;
   const char *given = arguments->kind ? arguments->kind : "";
   const StyStatus status = sty_parse_choice("guide", given, kinds, &kind, error);
   if (status) return status;
+  if (kind > 1)
+    return sty_fail(error, STY_ERROR_USAGE, "guide %s: found behind options, expected 'stylut guide %s' and then those",
+                    given, given);
   if (kind == 1 && !arguments->mesh)
     return sty_fail(error, STY_ERROR_USAGE, "guide scene: found no mesh, expected a file name");
   if (kind == 0 && arguments->mesh)
@@ -284,12 +287,16 @@ static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&commo
 static const struct argp parser = {
     .options = options_table,
     .parser = parse_option,
-    .args_doc = "sphere\nscene MESH|SCENE.json",
+    .args_doc = "sphere\nscene MESH|SCENE.json\nimport FILE\nstrokes IMAGE\nwarp PAIRS.json\nflow A B",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
         "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, OFF) with a camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
-        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.",
+        "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.\n\n"
+        "'import' turns another program's file into a guide, 'strokes' measures a picture at several scales, 'warp' "
+        "bends "
+        "one by pairs of points, 'flow' finds the motion between two; they have options of their own: 'stylut guide "
+        "import --help' and so on.",
     .children = children,
 };
 
@@ -500,7 +507,25 @@ static StyStatus run(Arguments *arguments) {
   return status;
 }
 
+/* Kinds that have a command line of their own. */
+static const struct {
+  const char *name;
+  StyStatus (*run)(int argc, char **argv);
+} kinds[] = {
+    {"import", run_guide_import},
+    {"strokes", run_guide_strokes},
+    {"warp", run_guide_warp},
+    {"flow", run_guide_flow},
+};
+
 StyStatus run_guide(int argc, char **argv) {
+  for (size_t k = 0; argc > 1 && k < sizeof kinds / sizeof *kinds; k++) {
+    static char program[32];
+    if (strcmp(argv[1], kinds[k].name) != 0) continue;
+    snprintf(program, sizeof program, "stylut guide %s", kinds[k].name);
+    argv[1] = program;
+    return kinds[k].run(argc - 1, argv + 1);
+  }
   Arguments arguments = {
       .width = 512,
       .height = 512,

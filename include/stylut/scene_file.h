@@ -43,6 +43,10 @@ bool sty_is_scene_file(const char *path);
 StyStatus sty_read_scene(const char *path, const StyMeshOptions *options, StyScene **out, StyViewpoint *viewpoint,
                          StyError *error);
 
+/* Reads the camera alone: the file may lack all else, and meshes that it names aren't read. It has to stand
+ * somewhere, so "fit", which takes a scene, is STY_ERROR_INPUT. */
+StyStatus sty_read_stand(const char *path, StyStand *out, StyError *error);
+
 /* sty_fit_camera or sty_place_camera, as the viewpoint asks. */
 StyStatus sty_set_camera(const StyScene *scene, const StyViewpoint *viewpoint, int width, int height, StyCamera *out,
                          StyError *error);

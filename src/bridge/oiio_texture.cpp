@@ -74,16 +74,24 @@ void check_values(const char *path, StyError *error) {
   }
 }
 
-struct SystemDeleter {
-  void operator()(OIIO::TextureSystem *system) const { OIIO::TextureSystem::destroy(system, true); }
-};
+// One for the process, for good: threads keep what they looked up last, and would take it
+// for their own in a later system at the same address.
+OIIO::TextureSystem &get_system() {
+  static OIIO::TextureSystem *const system = [] {
+    OIIO::TextureSystem *made = OIIO::TextureSystem::create(false);
+    made->attribute("autotile", kTile);
+    made->attribute("max_memory_MB", kCacheMegabytes);
+    return made;
+  }();
+  return *system;
+}
 
 }  // namespace
 
 }  // namespace sty
 
 struct StyTextureMap {
-  std::unique_ptr<OIIO::TextureSystem, sty::SystemDeleter> system;
+  OIIO::ustring path;
   OIIO::TextureSystem::TextureHandle *handle = nullptr;
 };
 
@@ -93,19 +101,23 @@ StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error) {
   return guard(path, error, [&] {
     check_values(path, error);
     auto texture = std::make_unique<StyTextureMap>();
-    texture->system.reset(OIIO::TextureSystem::create(false));
-    texture->system->attribute("autotile", kTile);
-    texture->system->attribute("max_memory_MB", kCacheMegabytes);
-    texture->system->imagecache()->add_file(OIIO::ustring(path), make_picture);
-    texture->handle = texture->system->get_texture_handle(OIIO::ustring(path));
-    if (!texture->handle || !texture->system->good(texture->handle))
+    OIIO::TextureSystem &system = get_system();
+    texture->path = OIIO::ustring(path);
+    system.imagecache()->add_file(texture->path, make_picture, nullptr, true);
+    system.invalidate(texture->path);
+    texture->handle = system.get_texture_handle(texture->path);
+    if (!texture->handle || !system.good(texture->handle))
       check(sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO has no texture of it: %s", path,
-                     texture->system->geterror().c_str()));
+                     system.geterror().c_str()));
     *out = texture.release();
   });
 }
 
 void close_texture(StyTextureMap **texture) {
+  try {
+    get_system().invalidate((*texture)->path);  // its pixels
+  } catch (...) {
+  }
   delete *texture;
   *texture = nullptr;
 }
@@ -120,7 +132,7 @@ void sample_texture(const StyTextureMap *texture, const double uv[2], bool neare
   try {
     // Within one period first: a float has no fraction left far from it. Rows count from the top.
     const double u = uv[0] - std::floor(uv[0]), v = 1 - (uv[1] - std::floor(uv[1]));
-    texture->system->texture(texture->handle, nullptr, options, float(u), float(v), 0, 0, 0, 0, 3, out);
+    get_system().texture(texture->handle, nullptr, options, float(u), float(v), 0, 0, 0, 0, 3, out);
   } catch (...) {  // memory: the picture itself was read when it was opened
   }
 }

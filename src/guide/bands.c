@@ -10,7 +10,8 @@ enum { ROW_STEP = 32, MOST_ROWS = 128 };
 /* Rows on their way to the sink, in a thread of their own. */
 typedef struct Delivery {
   const StyRowSink *sink;
-  StyImage *rows; /* owned; NULL: nothing is on its way */
+  StyImage *rows;  /* owned */
+  StyImage *spare; /* owned: rows that have arrived */
   pthread_t thread;
   bool threaded;
   StyStatus status;
@@ -27,7 +28,9 @@ static void *deliver(void *context) {
 static StyStatus await_delivery(Delivery *delivery, StyError *error) {
   if (!delivery->rows) return STY_OK;
   if (delivery->threaded) pthread_join(delivery->thread, NULL);
-  sty_destroy_image(&delivery->rows);
+  sty_destroy_image(&delivery->spare);
+  delivery->spare = delivery->rows;
+  delivery->rows = NULL;
   return delivery->status ? sty_fail(error, delivery->status, "%s", delivery->error.text) : STY_OK;
 }
 
@@ -55,38 +58,58 @@ static void report_share(void *context, double done) {
   share->run->progress(share->run->context, share->done + done * share->part);
 }
 
-static StyStatus make_band(const StyBands *bands, int first, int rows, const StyRun *run, StyImage **out,
-                           StyError *error) {
+/* A band to be filled: rows that have arrived before, whose memory is at hand, or new ones. */
+static StyStatus open_band(const StyBands *bands, int rows, StyImage **spare, StyGuide *out, StyError *error) {
+  if (!*spare || (*spare)->height != rows) return sty_create_guide(bands->width, rows, bands->groups, out, error);
+  *out = sty_view_guide(*spare, bands->groups);
+  sty_clear_guide(out);
+  *spare = NULL;
+  return STY_OK;
+}
+
+static StyStatus make_band(const StyBands *bands, int first, int rows, const StyRun *run, StyImage **spare,
+                           StyImage **out, StyError *error) {
   const int top = first > bands->apron ? first - bands->apron : 0;
   const int end = bands->height - first - rows > bands->apron ? first + rows + bands->apron : bands->height;
   Share share = {run, (double)first / bands->height, (double)rows / bands->height};
   const StyRun own = {sty_get_threads(run), run && run->progress ? report_share : NULL, &share};
-  StyStatus status = bands->make(bands->context, top, end - top, &own, out, error);
-  if (!status) status = sty_select_channels(out, first - top, rows, bands->groups, error);
-  if (status) sty_destroy_image(out);
+  StyGuide band = {0};
+  StyStatus status = open_band(bands, end - top, spare, &band, error);
+  if (!status) status = bands->fill(bands->context, top, &band, &own, error);
+  if (!status) status = sty_select_channels(&band.image, first - top, rows, bands->wanted, error);
+  if (status)
+    sty_destroy_image(&band.image);
+  else
+    *out = band.image;
   return status;
+}
+
+static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, double *first_ms,
+                              StyError *error) {
+  const int step = choose_rows(bands);
+  const double start = sty_get_milliseconds();
+  for (int first = 0; first < bands->height; first += step) {
+    const int rows = bands->height - first < step ? bands->height - first : step;
+    StyImage *band = NULL;
+    StyStatus status = make_band(bands, first, rows, run, &delivery->spare, &band, error);
+    if (status) return status;
+    if (first == 0) *first_ms = sty_get_milliseconds() - start;
+    status = await_delivery(delivery, error);
+    if (status) {
+      sty_destroy_image(&band);
+      return status;
+    }
+    start_delivery(delivery, band);
+  }
+  return STY_OK;
 }
 
 StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
                            StyError *error) {
-  const int step = choose_rows(bands);
-  const double start = sty_get_milliseconds();
   Delivery delivery = {.sink = sink};
-  StyStatus status = STY_OK;
-  for (int first = 0; !status && first < bands->height; first += step) {
-    const int rows = bands->height - first < step ? bands->height - first : step;
-    StyImage *band = NULL;
-    status = make_band(bands, first, rows, run, &band, error);
-    if (!status && first == 0) *first_ms = sty_get_milliseconds() - start;
-    StyError cause;
-    const StyStatus delivered = await_delivery(&delivery, status ? &cause : error);
-    if (!status) status = delivered;
-    if (status)
-      sty_destroy_image(&band);
-    else
-      start_delivery(&delivery, band);
-  }
+  const StyStatus status = stream_bands(bands, run, &delivery, first_ms, error);
   StyError cause;
   const StyStatus delivered = await_delivery(&delivery, status ? &cause : error);
+  sty_destroy_image(&delivery.spare);
   return status ? status : delivered;
 }

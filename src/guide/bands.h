@@ -7,10 +7,11 @@
 typedef struct StyBands {
   int width, height;
   int apron;       /* rows that a band needs above and below to be right */
-  unsigned groups; /* channels that are handed on; a band may have more */
-  /* Makes rows first .. first + rows - 1, which the caller owns, on the threads of `run`. `first` is a multiple of 32,
+  unsigned groups; /* channels that a band has */
+  unsigned wanted; /* those that are handed on */
+  /* Fills the band, in which nothing is hit yet and whose first row is row `first` of the picture: a multiple of 32,
    * less the apron. */
-  StyStatus (*make)(void *context, int first, int rows, const StyRun *run, StyImage **out, StyError *error);
+  StyStatus (*fill)(void *context, int first, const StyGuide *band, const StyRun *run, StyError *error);
   void *context;
 } StyBands;
 

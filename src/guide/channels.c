@@ -65,27 +65,37 @@ static void set_misses(const StyGuide *guide) {
       for (size_t i = 0; i < count; i++) guide->groups[g].planes[c][i] = guide->groups[g].info->miss;
 }
 
+StyGuide sty_view_guide(StyImage *image, unsigned groups) {
+  StyGuide guide = {.image = image, .coverage = sty_find_channel(image, "A")};
+  for (int g = 0; g < STY_GROUP_COUNT; g++) {
+    const StyChannelGroupInfo *info = &STY_CHANNEL_GROUPS[g];
+    if (!(groups & info->group)) continue;
+    struct StyGuidePlanes *group = &guide.groups[guide.group_count++];
+    group->info = info;
+    for (int c = 0; c < info->count; c++) group->planes[c] = sty_find_channel(image, info->channels[c]);
+  }
+  return guide;
+}
+
 StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out, StyError *error) {
   if (groups & ~get_all_groups())
     return sty_fail(error, STY_ERROR_USAGE, "guide channels: found the unknown set 0x%x", groups);
   const char *names[1 + STY_GROUP_COUNT * STY_GROUP_CHANNELS] = {"A"};
   int count = 1;
-  StyGuide guide = {0};
-  for (int g = 0; g < STY_GROUP_COUNT; g++) {
-    const StyChannelGroupInfo *info = &STY_CHANNEL_GROUPS[g];
-    if (!(groups & info->group)) continue;
-    guide.groups[guide.group_count++].info = info;
-    for (int c = 0; c < info->count; c++) names[count++] = info->channels[c];
-  }
-  StyStatus status = sty_create_image(width, height, count, names, 32, &guide.image, error);
+  for (int g = 0; g < STY_GROUP_COUNT; g++)
+    for (int c = 0; groups & STY_CHANNEL_GROUPS[g].group && c < STY_CHANNEL_GROUPS[g].count; c++)
+      names[count++] = STY_CHANNEL_GROUPS[g].channels[c];
+  StyImage *image = NULL;
+  const StyStatus status = sty_create_image(width, height, count, names, 32, &image, error);
   if (status != STY_OK) return status;
-  guide.coverage = sty_find_channel(guide.image, "A");
-  for (int g = 0; g < guide.group_count; g++)
-    for (int c = 0; c < guide.groups[g].info->count; c++)
-      guide.groups[g].planes[c] = sty_find_channel(guide.image, guide.groups[g].info->channels[c]);
-  set_misses(&guide);
-  *out = guide;
+  *out = sty_view_guide(image, groups);
+  set_misses(out);
   return STY_OK;
+}
+
+void sty_clear_guide(const StyGuide *guide) {
+  memset(guide->image->data, 0, (size_t)guide->image->channel_count * sty_count_pixels(guide->image) * sizeof(float));
+  set_misses(guide);
 }
 
 StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned groups, StyError *error) {

@@ -60,4 +60,10 @@ StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned gr
 /* Marks a pixel as covered by what `sample` says. */
 void sty_set_sample(const StyGuide *guide, size_t pixel, const StySample *sample);
 
+/* As a new one, with nothing hit anywhere. */
+void sty_clear_guide(const StyGuide *guide);
+
+/* The planes of an image that sty_create_guide made for these groups. */
+StyGuide sty_view_guide(StyImage *image, unsigned groups);
+
 #endif

@@ -25,8 +25,8 @@ double sty_get_intensity(const StyScene *scene, const StyLight *light, double di
 /* Of one light that is not hidden. */
 static double reflect(const StyBlock *block, int i, const StyLight *light, const double to[3], double received) {
   const StyHit *hit = &block->hits[i];
-  const double *direction = block->rays[i].direction;
-  double colour[3], half[3], toward[3] = {-direction[0], -direction[1], -direction[2]};
+  const StyLane *direction = block->rays.direction;
+  double colour[3], half[3], toward[3] = {-direction[0][i], -direction[1][i], -direction[2][i]};
   for (int k = 0; k < 3; k++) colour[k] = block->albedo[i][k] * light->colour[k];
   double luma = get_luminance(colour) * dot_vectors(hit->shading, to);
   if (hit->material->specular > 0 && normalize_vector(toward)) {

@@ -6,7 +6,7 @@
 
 /* What a block of rays sees; pixels with valid[i] = 0 see nothing. */
 typedef struct StyBlock {
-  StyRay rays[STY_RAYS];
+  StyRays rays;
   StyHit hits[STY_RAYS];
   double albedo[STY_RAYS][3]; /* scene-linear */
   double luma[STY_RAYS];      /* scene-linear */

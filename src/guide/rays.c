@@ -220,25 +220,8 @@ void sty_close_tracer(StyTracer **closed) {
 
 /* ---- hits ---- */
 
-static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
-
-/* Moeller and Trumbore 1997. `u` and `v` hold Embree's answer for a ray within
- * the triangle's plane, where there is no other. */
-static void find_weights(const StyRay *ray, const double corner[3], const double ab[3], const double ac[3], double u,
-                         double v, double weights[3]) {
-  double p[3], q[3], from[3];
-  cross_vectors(ray->direction, ac, p);
-  const double determinant = dot_vectors(ab, p);
-  if (determinant != 0) {
-    subtract_vectors(ray->origin, corner, from);
-    cross_vectors(from, ab, q);
-    u = dot_vectors(from, p) / determinant;
-    v = dot_vectors(ray->direction, q) / determinant;
-  }
-  weights[1] = clamp(u, 0, 1);
-  weights[2] = clamp(v, 0, 1 - weights[1]);
-  weights[0] = 1 - weights[1] - weights[2];
-}
+/* Not fmin and fmax, which are calls. */
+static double clamp(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
 
 static void get_corner(const Placed *placed, const uint32_t *corner, double out[3]) {
   const float *p = &placed->mesh->positions[3 * (size_t)*corner];
@@ -259,6 +242,15 @@ static void move_normal(const Placed *placed, const double own[3], double out[3]
   for (int i = 0; i < 3; i++) out[i] = dot_vectors(placed->cofactors[i], own);
 }
 
+static void get_normal(const Placed *placed, const uint32_t *corner, double out[3]) {
+  const float *n = &placed->mesh->normals[3 * (size_t)*corner];
+  const double own[3] = {n[0], n[1], n[2]};
+  if (placed->is_unmoved)
+    memcpy(out, own, sizeof own);
+  else
+    move_normal(placed, own, out);
+}
+
 static void interpolate_normal(const Placed *placed, const uint32_t *corners, const double weights[3], Bend *bend) {
   double own[3] = {0, 0, 0}, steps[2][3];
   const float *n[3];
@@ -269,17 +261,6 @@ static void interpolate_normal(const Placed *placed, const uint32_t *corners, co
   }
   move_normal(placed, own, bend->normal);
   for (int e = 0; e < 2; e++) move_normal(placed, steps[e], bend->steps[e]);
-}
-
-/* On the facet's visible side whichever way the file's normals point, since
- * winding and normals of a file need not agree. */
-static void face_viewer(const double facet[3], double normal[3]) {
-  if (!normalize_vector(normal)) {
-    memcpy(normal, facet, 3 * sizeof *normal);
-    normalize_vector(normal);
-  }
-  if (dot_vectors(normal, facet) < 0)
-    for (int k = 0; k < 3; k++) normal[k] = -normal[k];
 }
 
 /* `normal` is bend->normal as the viewer sees it. */
@@ -298,14 +279,16 @@ static double get_curvature(const Bend *bend, const double ab[3], const double a
   return divergence / determinant / 2;
 }
 
-static void shade_triangle(const Placed *placed, const uint32_t *corners, const double ab[3], const double ac[3],
-                           unsigned parts, StyHit *hit) {
+static void bend_triangle(const Placed *placed, const uint32_t *indices, StyHit *hit) {
+  double corners[3][3], ab[3], ac[3];
   Bend bend;
-  interpolate_normal(placed, corners, hit->weights, &bend);
-  memcpy(hit->shading, bend.normal, sizeof hit->shading);
-  face_viewer(hit->facet, hit->shading);
-  if (parts & STY_HIT_CURVATURE) hit->curvature = get_curvature(&bend, ab, ac, hit->shading);
+  for (int c = 0; c < 3; c++) get_corner(placed, &indices[c], corners[c]);
+  subtract_vectors(corners[1], corners[0], ab);
+  subtract_vectors(corners[2], corners[0], ac);
+  interpolate_normal(placed, indices, hit->weights, &bend);
+  hit->curvature = get_curvature(&bend, ab, ac, hit->shading);
 }
+
 static void interpolate_uv(const StyMesh *mesh, const uint32_t *corners, const double weights[3], double out[2]) {
   for (int k = 0; k < 2; k++) {
     out[k] = 0;
@@ -313,28 +296,53 @@ static void interpolate_uv(const StyMesh *mesh, const uint32_t *corners, const d
   }
 }
 
-static void hit_triangle(const Placed *placed, unsigned triangle, const float uv[2], const StyRay *ray, unsigned parts,
-                         StyHit *hit) {
+static void load_triangle(const Placed *placed, const StyHit *hit, bool shading, int i, StyLanes *lanes) {
+  const uint32_t *indices = &placed->mesh->indices[3 * (size_t)hit->triangle];
+  for (int c = 0; c < 3; c++) {
+    double corner[3], normal[3];
+    get_corner(placed, &indices[c], corner);
+    for (int k = 0; k < 3; k++) lanes->corners[c][k][i] = corner[k];
+    if (!shading) continue;
+    get_normal(placed, &indices[c], normal);
+    for (int k = 0; k < 3; k++) lanes->normals[c][k][i] = normal[k];
+  }
+}
+
+static void store_triangle(const Placed *placed, const StyLanes *lanes, int i, unsigned parts, StyHit *hit) {
   const StyMesh *mesh = placed->mesh;
-  const uint32_t *indices = &mesh->indices[3 * (size_t)triangle];
-  double corners[3][3], ab[3], ac[3];
-  for (int c = 0; c < 3; c++) get_corner(placed, &indices[c], corners[c]);
-  subtract_vectors(corners[1], corners[0], ab);
-  subtract_vectors(corners[2], corners[0], ac);
-  cross_vectors(ab, ac, hit->facet);
-  if (dot_vectors(hit->facet, ray->direction) > 0)
-    for (int k = 0; k < 3; k++) hit->facet[k] = -hit->facet[k];
-  find_weights(ray, corners[0], ab, ac, (double)uv[0], (double)uv[1], hit->weights);
-  const double *w = hit->weights;
-  for (int k = 0; k < 3; k++) hit->at[k] = w[0] * corners[0][k] + w[1] * corners[1][k] + w[2] * corners[2][k];
-  if (parts & (STY_HIT_SHADING | STY_HIT_CURVATURE)) shade_triangle(placed, indices, ab, ac, parts, hit);
-  if (parts & STY_HIT_UV) interpolate_uv(mesh, indices, w, hit->uv);
-  const int part = (int)mesh->part_ids[triangle] - 1;
-  hit->triangle = triangle;
+  const uint32_t *indices = &mesh->indices[3 * (size_t)hit->triangle];
+  for (int k = 0; k < 3; k++) {
+    hit->at[k] = lanes->at[k][i];
+    hit->facet[k] = lanes->facet[k][i];
+    hit->weights[k] = lanes->weights[k][i];
+    if (parts & STY_HIT_SHADING) hit->shading[k] = lanes->shading[k][i];
+  }
+  if (parts & STY_HIT_CURVATURE) bend_triangle(placed, indices, hit);
+  if (parts & STY_HIT_UV) interpolate_uv(mesh, indices, hit->weights, hit->uv);
+  const int part = (int)mesh->part_ids[hit->triangle] - 1;
   hit->material = &placed->object->material;
   hit->paint = placed->object->is_painted || !mesh->paints ? &placed->object->material.paint : &mesh->paints[part];
   hit->style = placed->object->style;
   hit->object = placed->object->first_id + part;
+}
+
+/* All of a block that met triangles, together; other lanes take the first one's triangle, to no end. */
+static void hit_triangles(const StyTracer *tracer, const StyRays *rays, const struct RTCRayHit8 *packet, unsigned parts,
+                          const bool *is_triangle, StyHit *hits) {
+  StyLanes lanes;
+  lanes.rays = rays;
+  const bool shading = parts & STY_HIT_SHADING;
+  int first = 0;
+  while (!is_triangle[first]) first++;
+  for (int i = 0; i < STY_RAYS; i++) {
+    const int j = is_triangle[i] ? i : first;
+    load_triangle(&tracer->placed[hits[j].thing], &hits[j], shading, i, &lanes);
+    lanes.found[0][i] = (double)packet->hit.u[j];
+    lanes.found[1][i] = (double)packet->hit.v[j];
+  }
+  sty_meet_triangles(&lanes, shading);
+  for (int i = 0; i < STY_RAYS; i++)
+    if (is_triangle[i]) store_triangle(&tracer->placed[hits[i].thing], &lanes, i, parts, &hits[i]);
 }
 
 /* Longitude and latitude about the Y axis: u = 1/2 in front, v = 1 at the top. */
@@ -372,71 +380,91 @@ static void hit_sphere(const Ball *ball, const StyRay *ray, StyHit *hit) {
   hit->object = ball->sphere->id;
 }
 
-static void find_hit(const StyTracer *tracer, const StyRay *ray, const struct RTCRayHit8 *packet, int i, unsigned parts,
-                     StyHit *hit) {
-  const unsigned instance = packet->hit.instID[0][i], geometry = packet->hit.geomID[i],
-                 primitive = packet->hit.primID[i], objects = (unsigned)tracer->model->object_count;
-  hit->thing = instance == RTC_INVALID_GEOMETRY_ID ? geometry : instance;
-  if (hit->thing == objects) {
-    hit->thing += primitive;
-    hit_sphere(&tracer->balls[primitive], ray, hit);
-  } else {
-    const float uv[2] = {packet->hit.u[i], packet->hit.v[i]};
-    hit_triangle(&tracer->placed[hit->thing], primitive, uv, ray, parts, hit);
+static void find_hits(const StyTracer *tracer, const StyRays *rays, const struct RTCRayHit8 *packet, unsigned parts,
+                      const int *valid, StyHit *hits) {
+  const unsigned objects = (unsigned)tracer->model->object_count;
+  bool is_triangle[STY_RAYS], any = false;
+  for (int i = 0; i < STY_RAYS; i++) {
+    is_triangle[i] = false;
+    if (!valid[i]) continue;
+    const unsigned instance = packet->hit.instID[0][i], primitive = packet->hit.primID[i];
+    hits[i].thing = instance == RTC_INVALID_GEOMETRY_ID ? packet->hit.geomID[i] : instance;
+    hits[i].triangle = primitive;
+    is_triangle[i] = hits[i].thing != objects;
+    any |= is_triangle[i];
+    if (is_triangle[i]) continue;
+    hits[i].thing += primitive;
+    const StyRay ray = sty_get_ray(rays, i);
+    hit_sphere(&tracer->balls[primitive], &ray, &hits[i]);
   }
+  if (any) hit_triangles(tracer, rays, packet, parts, is_triangle, hits);
 }
 
 /* ---- rays ---- */
 
-static void set_ray(struct RTCRay8 *packet, int i, const double origin[3], const double direction[3], double far) {
-  packet->org_x[i] = (float)origin[0];
-  packet->org_y[i] = (float)origin[1];
-  packet->org_z[i] = (float)origin[2];
-  packet->dir_x[i] = (float)direction[0];
-  packet->dir_y[i] = (float)direction[1];
-  packet->dir_z[i] = (float)direction[2];
-  packet->tnear[i] = 0;
-  packet->tfar[i] = (float)far;
-  packet->time[i] = 0;
-  packet->mask[i] = ~0u;
-  packet->id[i] = 0;
-  packet->flags[i] = 0;
+static void set_rays(struct RTCRay8 *packet, const StyRays *rays) {
+  float *const origin[] = {packet->org_x, packet->org_y, packet->org_z};
+  float *const direction[] = {packet->dir_x, packet->dir_y, packet->dir_z};
+  for (int k = 0; k < 3; k++)
+    for (int i = 0; i < STY_RAYS; i++) {
+      origin[k][i] = (float)rays->origin[k][i];
+      direction[k][i] = (float)rays->direction[k][i];
+    }
+  for (int i = 0; i < STY_RAYS; i++) {
+    packet->tnear[i] = 0;
+    packet->tfar[i] = INFINITY;
+    packet->time[i] = 0;
+    packet->mask[i] = ~0u;
+    packet->id[i] = 0;
+    packet->flags[i] = 0;
+  }
 }
 
-void sty_trace_rays(const StyTracer *tracer, const StyRay rays[STY_RAYS], bool coherent, unsigned parts, int *valid,
+bool sty_trace_rays(const StyTracer *tracer, const StyRays *rays, bool coherent, unsigned parts, int *valid,
                     StyHit hits[STY_RAYS]) {
   struct RTCIntersectContext context;
   _Alignas(32) struct RTCRayHit8 packet;
   rtcInitIntersectContext(&context);
   if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  set_rays(&packet.ray, rays);
   for (int i = 0; i < STY_RAYS; i++) {
-    set_ray(&packet.ray, i, rays[i].origin, rays[i].direction, INFINITY);
     packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   rtcIntersect8(valid, tracer->scene, &context, &packet);
+  int any = 0;
   for (int i = 0; i < STY_RAYS; i++) {
-    if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) valid[i] = 0;
-    if (valid[i]) find_hit(tracer, &rays[i], &packet, i, parts, &hits[i]);
+    valid[i] = packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? 0 : valid[i];
+    any |= valid[i];
   }
+  if (any) find_hits(tracer, rays, &packet, parts, valid, hits);
+  return any;
 }
 
-static void set_shadow_ray(struct RTCRay8 *packet, int i, const StyHit *hit, const double to[3], double distance) {
-  double off[3] = {hit->facet[0], hit->facet[1], hit->facet[2]}, start[3];
+static void set_shadow_ray(StyRays *rays, int i, const StyHit *hit, const double to[3]) {
+  StyRay ray;
+  double off[3] = {hit->facet[0], hit->facet[1], hit->facet[2]};
   normalize_vector(off);
   /* Where only the interpolated normal faces the light, the facet is seen from behind by it. */
   const double side = dot_vectors(off, to) < 0 ? -SHADOW_START : SHADOW_START;
-  for (int k = 0; k < 3; k++) start[k] = hit->at[k] + side * off[k];
-  set_ray(packet, i, start, to, distance);
+  for (int k = 0; k < 3; k++) {
+    ray.origin[k] = hit->at[k] + side * off[k];
+    ray.direction[k] = to[k];
+  }
+  sty_set_ray(rays, i, &ray);
 }
 
 void sty_trace_shadows(const StyTracer *tracer, const StyHit hits[STY_RAYS], double to[STY_RAYS][3],
                        const double distances[STY_RAYS], int *asks) {
   struct RTCIntersectContext context;
   _Alignas(32) struct RTCRay8 packet;
+  StyRays rays = {0};
   rtcInitIntersectContext(&context);
   for (int i = 0; i < STY_RAYS; i++)
-    if (asks[i]) set_shadow_ray(&packet, i, &hits[i], to[i], distances[i]);
+    if (asks[i]) set_shadow_ray(&rays, i, &hits[i], to[i]);
+  set_rays(&packet, &rays);
+  for (int i = 0; i < STY_RAYS; i++)
+    if (asks[i]) packet.tfar[i] = (float)distances[i];
   rtcOccluded8(asks, tracer->scene, &context, &packet);
   for (int i = 0; i < STY_RAYS; i++)
     if (asks[i] && packet.tfar[i] < 0) asks[i] = 0;

@@ -5,24 +5,42 @@
 #ifndef STYLUT_GUIDE_RAYS_H
 #define STYLUT_GUIDE_RAYS_H
 
+#include "guide/lanes.h"
 #include "stylut/scene.h"
 
 /* Rays travel in blocks: eight at a time with the coherent flag is 2.5 times as
  * fast as one at a time. */
-enum { STY_RAYS = 8 };
+enum { STY_RAYS = STY_LANES };
 
 /* A tree of the scene, which it refers to. */
 typedef struct StyTracer StyTracer;
 
+/* One of a block's. */
 typedef struct StyRay {
   double origin[3], direction[3]; /* trace space; any length but zero */
 } StyRay;
+
+static inline StyRay sty_get_ray(const StyRays *rays, int i) {
+  StyRay ray;
+  for (int k = 0; k < 3; k++) {
+    ray.origin[k] = rays->origin[k][i];
+    ray.direction[k] = rays->direction[k][i];
+  }
+  return ray;
+}
+
+static inline void sty_set_ray(StyRays *rays, int i, const StyRay *ray) {
+  for (int k = 0; k < 3; k++) {
+    rays->origin[k][i] = ray->origin[k];
+    rays->direction[k][i] = ray->direction[k];
+  }
+}
 
 /* What is worked out about a hit beside its place, its facet and what it belongs to. */
 typedef enum StyHitPart {
   STY_HIT_SHADING = 1 << 0,
   STY_HIT_UV = 1 << 1,
-  STY_HIT_CURVATURE = 1 << 2,
+  STY_HIT_CURVATURE = 1 << 2, /* with STY_HIT_SHADING */
 } StyHitPart;
 
 /* Where a ray meets what it meets. */
@@ -47,9 +65,10 @@ void sty_close_tracer(StyTracer **tracer);
 /* Most memory that Embree took at a time, bytes. */
 double sty_get_tracer_bytes(const StyTracer *tracer);
 
-/* Traces those of a block's rays whose valid[i] is -1 (others 0; 32-byte aligned) and clears valid[i] of those
- * that meet nothing. `coherent`: the rays run side by side. `parts` is a set of StyHitPart. Thread-safe. */
-void sty_trace_rays(const StyTracer *tracer, const StyRay rays[STY_RAYS], bool coherent, unsigned parts, int *valid,
+/* Traces those of a block's rays (trace space) whose valid[i] is -1 (others 0, their rays finite all the same; 32-byte
+ * aligned) and clears valid[i] of those that meet nothing; false where none is left. `coherent`: the rays run side by
+ * side. `parts` is a set of StyHitPart. Thread-safe. */
+bool sty_trace_rays(const StyTracer *tracer, const StyRays *rays, bool coherent, unsigned parts, int *valid,
                     StyHit hits[STY_RAYS]);
 
 /* Clears asks[i] (-1 or 0; 32-byte aligned) where something stands on the way from hit i along to[i], a unit vector,

@@ -36,17 +36,25 @@ typedef struct Render {
 
 /* ---- pixels ---- */
 
-static StyRay make_ray(const Render *render, int x, int y) {
+/* Film coordinates along a side of `count` pixels, from -half to half. */
+static double get_film(int pixel, int count, double half) { return ((pixel + 0.5) / count * 2 - 1) * half; }
+
+/* The rays of a block: the film's point moves, and with it their origins or their directions. */
+static void make_rays(const Render *render, int x0, int y0, StyRays *rays) {
   const StyCamera *camera = render->camera;
-  const double s = ((x + 0.5) / render->options->width * 2 - 1) * camera->half_width;
-  const double t = (1 - (y + 0.5) / render->options->height * 2) * camera->half_height;
-  StyRay ray;
-  for (int k = 0; k < 3; k++) {
-    const double film = s * camera->right[k] + t * camera->up[k];
-    ray.origin[k] = camera->perspective ? camera->eye[k] : camera->eye[k] + film + START_SLACK * camera->back[k];
-    ray.direction[k] = camera->perspective ? film - camera->back[k] : -camera->back[k];
+  double s[STY_RAYS], t[STY_RAYS];
+  for (int i = 0; i < STY_RAYS; i++) {
+    s[i] = get_film(x0 + i % BLOCK_WIDTH, render->options->width, camera->half_width);
+    t[i] = -get_film(y0 + i / BLOCK_WIDTH, render->options->height, camera->half_height);
   }
-  return ray;
+  for (int k = 0; k < 3; k++) {
+    const double eye = camera->eye[k], back = camera->back[k], start = eye + START_SLACK * back;
+    for (int i = 0; i < STY_RAYS; i++) {
+      const double film = s[i] * camera->right[k] + t[i] * camera->up[k];
+      rays->origin[k][i] = camera->perspective ? eye : start + film;
+      rays->direction[k][i] = camera->perspective ? film - back : -back;
+    }
+  }
 }
 
 static void bend_to_horizon(const double direction[3], double normal[3]) {
@@ -58,14 +66,11 @@ static void bend_to_horizon(const double direction[3], double normal[3]) {
   normalize_vector(normal);
 }
 
-/* What normals are told in. */
-static void get_frame(const Render *render, const StyRay *ray, double right[3], double up[3], double back[3]) {
-  const StyCamera *camera = render->camera;
+/* The axes that are relative to a ray. */
+static void turn_axes(const StyCamera *camera, const double direction[3], double right[3], double up[3],
+                      double back[3]) {
   memcpy(right, camera->right, 3 * sizeof *right);
-  memcpy(up, camera->up, 3 * sizeof *up);
-  memcpy(back, camera->back, 3 * sizeof *back);
-  if (!render->options->ray_frame || !camera->perspective) return;
-  for (int k = 0; k < 3; k++) back[k] = -ray->direction[k];
+  for (int k = 0; k < 3; k++) back[k] = -direction[k];
   normalize_vector(back);
   const double along = dot_vectors(right, back);
   for (int k = 0; k < 3; k++) right[k] -= along * back[k];
@@ -73,33 +78,34 @@ static void get_frame(const Render *render, const StyRay *ray, double right[3], 
   cross_vectors(back, right, up);
 }
 
-static void shade_normal(const Render *render, const StyHit *hit, const StyRay *ray, double out[3]) {
-  double normal[3];
+static void shade_normal(const Render *render, const StyHit *hit, const double direction[3], double out[3]) {
+  double normal[3], right[3], up[3], back[3];
   if (render->options->flat) {
     memcpy(normal, hit->facet, sizeof normal);
     normalize_vector(normal);
   } else {
     memcpy(normal, hit->shading, sizeof normal);
-    bend_to_horizon(ray->direction, normal);
+    bend_to_horizon(direction, normal);
   }
-  double right[3], up[3], back[3];
-  get_frame(render, ray, right, up, back);
-  out[0] = dot_vectors(normal, right);
-  out[1] = dot_vectors(normal, up);
-  out[2] = dot_vectors(normal, back);
+  const StyCamera *camera = render->camera;
+  const bool turned = render->options->ray_frame && camera->perspective;
+  if (turned) turn_axes(camera, direction, right, up, back);
+  out[0] = dot_vectors(normal, turned ? right : camera->right);
+  out[1] = dot_vectors(normal, turned ? up : camera->up);
+  out[2] = dot_vectors(normal, turned ? back : camera->back);
 }
 
 static void shade_place(const Render *render, const StyHit *hit, StySample *sample) {
   const StyScene *scene = render->scene;
   double from_eye[3];
   for (int k = 0; k < 3; k++) {
-    sample->position[k] = hit->at[k] / scene->scale + scene->centre[k];
     from_eye[k] = hit->at[k] - render->camera->eye[k];
+    if (render->groups & STY_GUIDE_POSITION) sample->position[k] = hit->at[k] / scene->scale + scene->centre[k];
   }
   sample->depth = -dot_vectors(from_eye, render->camera->back) / scene->scale;
 }
 
-/* Where a point of trace space is on the film, in pixels; false: behind the camera. The inverse of make_ray. */
+/* Where a point of trace space is on the film, in pixels; false: behind the camera. The inverse of make_rays. */
 static bool project(const StyCamera *camera, const StyTraceOptions *options, const double at[3], double pixel[2]) {
   double from[3];
   subtract_vectors(at, camera->eye, from);
@@ -114,6 +120,7 @@ static bool project(const StyCamera *camera, const StyTraceOptions *options, con
 static void shade_motion(const Render *render, const StyHit *hit, double motion[2]) {
   const StyPrevious *previous = &render->options->previous;
   double now[2], then[2], at[3];
+  motion[0] = motion[1] = 0;
   sty_follow_hit(render->scene, hit, previous->scene, at);
   if (!project(render->camera, render->options, hit->at, now) || !project(previous->camera, render->options, at, then))
     return;
@@ -122,9 +129,13 @@ static void shade_motion(const Render *render, const StyHit *hit, double motion[
 
 static void shade_hit(const Render *render, const StyBlock *block, int i, const StyGuide *guide, size_t pixel) {
   const StyHit *hit = &block->hits[i];
-  StySample sample = {.object = hit->object, .style = hit->style, .luma = block->luma[i]};
-  memcpy(sample.albedo, block->albedo[i], sizeof sample.albedo);
-  if (render->groups & STY_GUIDE_NORMAL) shade_normal(render, hit, &block->rays[i], sample.normal);
+  StySample sample; /* no more of it is set than is read */
+  sample.object = hit->object;
+  sample.style = hit->style;
+  sample.luma = block->luma[i];
+  if (render->palette) memcpy(sample.albedo, block->albedo[i], sizeof sample.albedo);
+  const StyRay ray = sty_get_ray(&block->rays, i);
+  if (render->groups & STY_GUIDE_NORMAL) shade_normal(render, hit, ray.direction, sample.normal);
   if (render->groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, hit, &sample);
   if (render->groups & STY_GUIDE_UV) memcpy(sample.uv, hit->uv, sizeof sample.uv);
   if (render->groups & STY_GUIDE_CURVATURE) sample.curvature = hit->curvature * render->scene->scale;
@@ -137,7 +148,7 @@ static void shade_hit(const Render *render, const StyBlock *block, int i, const 
 /* Rows of the picture, as a guide of their own. */
 typedef struct Band {
   const Render *render;
-  StyGuide guide;
+  const StyGuide *guide;
   int first; /* its first row in the picture, even: blocks then hold the same pixels in whatever band */
 } Band;
 
@@ -148,16 +159,16 @@ static void trace_block(const Band *band, int x0, int y0) {
   for (int i = 0; i < STY_RAYS; i++) {
     const int x = x0 + i % BLOCK_WIDTH, y = y0 + i / BLOCK_WIDTH;
     block.valid[i] = x < width && y < render->options->height ? -1 : 0;
-    block.rays[i] = make_ray(render, x, y);
   }
-  sty_trace_rays(render->tracer, block.rays, true, render->parts, block.valid, block.hits);
+  make_rays(render, x0, y0, &block.rays);
+  if (!sty_trace_rays(render->tracer, &block.rays, true, render->parts, block.valid, block.hits)) return;
   for (int i = 0; i < STY_RAYS; i++)
     if (block.valid[i] && render->palette) sty_get_albedo(render->palette, &block.hits[i], block.albedo[i]);
   if (render->groups & STY_GUIDE_LUMA) sty_light_block(render->scene, render->tracer, &block);
   for (int i = 0; i < STY_RAYS; i++) {
     const int x = x0 + i % BLOCK_WIDTH, row = y0 + i / BLOCK_WIDTH - band->first;
-    if (block.valid[i] && row < band->guide.image->height)
-      shade_hit(render, &block, i, &band->guide, (size_t)row * (size_t)width + (size_t)x);
+    if (block.valid[i] && row < band->guide->image->height)
+      shade_hit(render, &block, i, band->guide, (size_t)row * (size_t)width + (size_t)x);
   }
 }
 
@@ -166,7 +177,7 @@ static int count_tiles(int side) { return (side + TILE - 1) / TILE; }
 static StyStatus trace_tile(void *context, long tile, StyError *error) {
   (void)error;
   const Band *band = context;
-  const int width = band->render->options->width, height = band->guide.image->height, columns = count_tiles(width);
+  const int width = band->render->options->width, height = band->guide->image->height, columns = count_tiles(width);
   const int x0 = (int)(tile % columns) * TILE, y0 = (int)(tile / columns) * TILE;
   for (int y = y0; y < y0 + TILE && y < height; y += BLOCK_HEIGHT)
     for (int x = x0; x < x0 + TILE && x < width; x += BLOCK_WIDTH) trace_block(band, x, band->first + y);
@@ -179,19 +190,12 @@ static StyStatus draw_contours(const Render *render, const StyGuide *guide, cons
   return sty_draw_contours(guide, &render->options->contour, &footprint, run, error);
 }
 
-static StyStatus trace_band(void *context, int first, int rows, const StyRun *run, StyImage **out, StyError *error) {
+static StyStatus trace_band(void *context, int first, const StyGuide *guide, const StyRun *run, StyError *error) {
   const Render *render = context;
-  Band band = {.render = render, .first = first};
-  StyStatus status = sty_create_guide(render->options->width, rows, render->groups, &band.guide, error);
-  if (status) return status;
-  const long tiles = (long)count_tiles(render->options->width) * count_tiles(rows);
-  status = sty_parallel_for(run, tiles, trace_tile, &band, error);
-  if (!status && render->groups & STY_GUIDE_CONTOUR) status = draw_contours(render, &band.guide, run, error);
-  if (status)
-    sty_destroy_image(&band.guide.image);
-  else
-    *out = band.guide.image;
-  return status;
+  Band band = {render, guide, first};
+  const long tiles = (long)count_tiles(guide->image->width) * count_tiles(guide->image->height);
+  const StyStatus status = sty_parallel_for(run, tiles, trace_tile, &band, error);
+  return status || !(render->groups & STY_GUIDE_CONTOUR) ? status : draw_contours(render, guide, run, error);
 }
 
 /* ---- the whole ---- */
@@ -208,6 +212,9 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
 }
 
 static StyStatus check_options(const StyScene *scene, const StyTraceOptions *options, StyError *error) {
+  if (options->width < 1 || options->height < 1)
+    return sty_fail(error, STY_ERROR_INPUT, "guide: found %dx%d pixels, expected at least 1x1", options->width,
+                    options->height);
   if (!(options->groups & STY_GUIDE_MOTION)) return STY_OK;
   if (!options->previous.scene)
     return sty_fail(error, STY_ERROR_USAGE, "channel motion: found no previous scene, expected one");
@@ -219,14 +226,15 @@ static StyStatus check_options(const StyScene *scene, const StyTraceOptions *opt
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
   const bool textured = scene->texture_count > 0 && groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA);
-  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_LUMA)) parts |= STY_HIT_SHADING;
+  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_LUMA | STY_GUIDE_CURVATURE)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
   return parts;
 }
 
-static StyStatus open_render(Render *render, const StyTraceOptions *options, StyError *error) {
+static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *error) {
   const StyScene *scene = render->scene;
+  const StyTraceOptions *options = render->options;
   StyStatus status = check_camera(render->camera, error);
   if (!status) status = check_options(scene, options, error);
   render->groups = options->groups;
@@ -236,62 +244,56 @@ static StyStatus open_render(Render *render, const StyTraceOptions *options, Sty
   if (!render->camera->perspective) render->width /= scene->scale;
   if (!status && options->groups & (STY_GUIDE_ALBEDO | STY_GUIDE_LUMA))
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
-  return status ? status : sty_open_tracer(scene, &render->tracer, error);
+  const double start = sty_get_milliseconds();
+  if (!status) status = sty_open_tracer(scene, &render->tracer, error);
+  times->build_ms = sty_get_milliseconds() - start;
+  return status;
+}
+
+static void close_render(Render *render) {
+  sty_close_tracer(&render->tracer);
+  sty_close_palette(&render->palette);
 }
 
 StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                          const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error) {
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyTraceTimes found = {0};
-  const double begin = sty_get_milliseconds();
-  StyStatus status = open_render(&render, options, error);
-  const double built = sty_get_milliseconds();
+  StyStatus status = open_render(&render, &found, error);
+  const double start = sty_get_milliseconds();
   const StyBands bands = {.width = options->width,
                           .height = options->height,
                           .apron = options->groups & STY_GUIDE_CONTOUR ? BLOCK_HEIGHT : 0,
-                          .groups = options->groups,
-                          .make = trace_band,
+                          .groups = render.groups,
+                          .wanted = options->groups,
+                          .fill = trace_band,
                           .context = &render};
   if (!status) status = sty_stream_bands(&bands, run, sink, &found.first_ms, error);
   if (!status) found.tree_bytes = sty_get_tracer_bytes(render.tracer);
-  sty_close_tracer(&render.tracer);
-  sty_close_palette(&render.palette);
+  close_render(&render);
   if (status) return status;
-  found.build_ms = built - begin;
-  found.trace_ms = sty_get_milliseconds() - built;
+  found.trace_ms = sty_get_milliseconds() - start;
   if (times) *times = found;
-  return STY_OK;
-}
-
-/* ---- as one image ---- */
-
-/* Rows that are put together again. */
-typedef struct Collection {
-  StyImage *image;
-  int next; /* row */
-} Collection;
-
-static StyStatus take_rows(void *context, StyImage *rows, StyError *error) {
-  (void)error;
-  Collection *collection = context;
-  const size_t count = sty_count_pixels(rows), start = (size_t)collection->next * (size_t)rows->width;
-  for (int c = 0; c < rows->channel_count; c++)
-    memcpy(collection->image->data + (size_t)c * sty_count_pixels(collection->image) + start,
-           rows->data + (size_t)c * count, count * sizeof *rows->data);
-  collection->next += rows->height;
   return STY_OK;
 }
 
 StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
                           const StyRun *run, StyTraceTimes *times, StyImage **out, StyError *error) {
-  StyGuide guide;
-  StyStatus status = sty_create_guide(options->width, options->height, options->groups, &guide, error);
-  if (status) return status;
-  Collection collection = {.image = guide.image};
-  status = sty_trace_rows(scene, camera, options, run, &(StyRowSink){take_rows, &collection}, times, error);
-  if (status)
+  Render render = {.scene = scene, .camera = camera, .options = options};
+  StyTraceTimes found = {0};
+  StyGuide guide = {0};
+  StyStatus status = open_render(&render, &found, error);
+  const double start = sty_get_milliseconds();
+  if (!status) status = sty_create_guide(options->width, options->height, render.groups, &guide, error);
+  if (!status) status = trace_band(&render, 0, &guide, run, error);
+  if (!status) status = sty_select_channels(&guide.image, 0, options->height, options->groups, error);
+  close_render(&render);
+  if (status) {
     sty_destroy_image(&guide.image);
-  else
-    *out = guide.image;
-  return status;
+    return status;
+  }
+  found.first_ms = found.trace_ms = sty_get_milliseconds() - start;
+  if (times) *times = found;
+  *out = guide.image;
+  return STY_OK;
 }

@@ -463,12 +463,17 @@ static int number_texture(StyMesh *mesh, char *path) {
   return mesh->texture_count++;
 }
 
+/* Of the formats that have materials; of others the importer makes grey ones up. */
+static bool has_materials(const char *path) {
+  return strcasecmp(find_extension(path), "obj") == 0 || strncasecmp(find_extension(path), "gl", 2) == 0;
+}
+
 /* White for what the file says nothing of, where the importer would say grey. */
 static StyPaint read_paint(const Import *import, const Part *part, StyMesh *mesh) {
   StyPaint paint = {{1, 1, 1}, -1};
   struct aiString name;
   struct aiColor4D colour;
-  if (part->mesh->mMaterialIndex >= import->file->mNumMaterials) return paint;
+  if (!has_materials(import->path) || part->mesh->mMaterialIndex >= import->file->mNumMaterials) return paint;
   const struct aiMaterial *material = import->file->mMaterials[part->mesh->mMaterialIndex];
   if (aiGetMaterialString(material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
       strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)

@@ -293,6 +293,24 @@ StyStatus sty_read_scene(const char *path, const StyMeshOptions *options, StySce
   return status;
 }
 
+StyStatus sty_read_stand(const char *path, StyStand *out, StyError *error) {
+  static const StyPath camera = {NULL, "camera", 0}, type = {&camera, "type", 0};
+  Reading reading = {0};
+  StyViewpoint found;
+  StyStatus status = sty_read_document(path, &reading.document, error);
+  if (!status) status = read_head(&reading, &found, error);
+  if (!status)
+    status = require_key(&reading.document, NULL, reading.document.root, "camera", "that stands somewhere", error);
+  if (!status && found.is_fit) {
+    const json_t *given = json_object_get(reading.document.root, "camera"), *fit = json_object_get(given, "type");
+    status = sty_fail_value(&reading.document, fit ? &type : &camera, fit ? fit : given,
+                            "a camera of type \"perspective\" or \"orthographic\"", error);
+  }
+  if (!status) *out = found.stand;
+  sty_close_document(&reading.document);
+  return status;
+}
+
 StyStatus sty_set_camera(const StyScene *scene, const StyViewpoint *viewpoint, int width, int height, StyCamera *out,
                          StyError *error) {
   return viewpoint->is_fit ? sty_fit_camera(scene, &viewpoint->view, width, height, out, error)

@@ -22,7 +22,9 @@ static inline void cross_vectors(const double a[3], const double b[3], double ou
 static inline bool normalize_vector(double v[3]) {
   double length = sqrt(dot_vectors(v, v));
   if (!(length > 0 && length < INFINITY)) return false;
-  for (int k = 0; k < 3; k++) v[k] /= length;
+  double inverse = 1 / length;
+  if (inverse == INFINITY) return false;
+  for (int k = 0; k < 3; k++) v[k] *= inverse;
   return true;
 }
 

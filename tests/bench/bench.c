@@ -251,16 +251,17 @@ static StyCamera fit_camera(const StyScene *scene) {
   return camera;
 }
 
-static size_t count_covered(const StyImage *guide) {
-  const float *covered = sty_find_channel(guide, "A");
-  size_t count = 0;
-  for (size_t i = 0; i < sty_count_pixels(guide); i++) count += covered[i] > 0;
-  return count;
+/* Takes rows as a file would, but doesn't write them. */
+static StyStatus count_covered(void *context, StyImage *rows, StyError *error) {
+  (void)error;
+  size_t *count = context;
+  const float *covered = sty_find_channel(rows, "A");
+  for (size_t i = 0; i < sty_count_pixels(rows); i++) *count += covered[i] > 0;
+  return STY_OK;
 }
 
 /* Both loops must have done the same work: edges may fall to either side, no more. */
-static void compare_hits(const Bare *bare, const StyImage *guide) {
-  const size_t covered = count_covered(guide);
+static void compare_hits(const Bare *bare, size_t covered) {
   size_t hits = 0;
   double sum = 0;
   for (int i = 0; i < COLUMNS * ROWS; i++) {
@@ -274,7 +275,7 @@ static void compare_hits(const Bare *bare, const StyImage *guide) {
 
 typedef struct GuideTimes {
   Series rays; /* rays and shading alone */
-  Series call; /* with the picture's allocation and the tree */
+  Series call; /* with the tree */
 } GuideTimes;
 
 static void time_guide(const StyScene *scene, const StyCamera *camera, unsigned groups, int threads, const Bare *bare,
@@ -283,13 +284,13 @@ static void time_guide(const StyScene *scene, const StyCamera *camera, unsigned 
   const StyRun run = {.threads = threads};
   StyError error;
   StyTraceTimes parts;
-  StyImage *guide = NULL;
+  size_t covered = 0;
+  const StyRowSink sink = {count_covered, &covered};
   const double start = sty_get_milliseconds();
-  require(sty_trace_guide(scene, camera, &options, &run, &parts, &guide, &error), &error);
+  require(sty_trace_rows(scene, camera, &options, &run, &sink, &parts, &error), &error);
   add_value(&times->call, sty_get_milliseconds() - start);
   add_value(&times->rays, parts.trace_ms);
-  compare_hits(bare, guide);
-  sty_destroy_image(&guide);
+  compare_hits(bare, covered);
 }
 
 /* The guide's rays beside the bare loop's, for one camera and number of threads. */

@@ -9,7 +9,7 @@ corpus=$(cd "$(dirname "$0")" && pwd)/corpus
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p "$corpus"/{bundle,index,lut,manifest,picture}
+mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture}
 rm -f "$corpus"/*/seed-*
 
 # number BYTES VALUE: little-endian
@@ -46,6 +46,16 @@ for name in short long; do
   cp "$name/bundle.json" "$corpus/index/seed-$name.json"
 done
 
+# Point pairs.
+cat >"$corpus/pairs/seed-short.json" <<'END'
+{ "schema": "stylut-pairs/1", "pairs": [ { "from": [1, 2], "to": [3, 1] } ] }
+END
+cat >"$corpus/pairs/seed-long.json" <<'END'
+{ "schema": "stylut-pairs/1", "kind": "affine", "alpha": 2.5, "units": "normalized",
+  "pairs": [ { "from": [0, 0], "to": [0.1, 0.2] }, { "to": [1e-1, 1], "from": [0, 1] },
+             { "from": [1, 0], "to": [0.9, 0.1] }, { "from": [0.5, 0.5], "to": [0.4, 6e-1] } ] }
+END
+
 # Bundles, as fuzz_bundle.c reads them. Jitter keeps what lies before its texels.
 for name in short long; do
   for file in exemplars guides luts params jitter; do
@@ -63,6 +73,11 @@ done
 cp sphere.exr "$corpus/picture/seed-guide.exr"
 for ending in tif tga hdr jpg; do oiiotool -q sphere.png --ch R,G,B -o "$corpus/picture/seed-guide.$ending"; done
 oiiotool -q sphere.exr --tile 16 16 -o "$corpus/picture/seed-tiles.exr"
+# A file of the first program that is imported from; which one is tried goes by the size.
+blender=$corpus/picture/seed-blender.exr
+oiiotool -q sphere.exr --ch normal.X,normal.Y,normal.Z,depth.Z \
+  --chnames a.Normal.X,a.Normal.Y,a.Normal.Z,a.Depth.Z -d half -o "$blender"
+while (($(stat -c %s "$blender") % 6)); do number 1 0 >>"$blender"; done
 "$stylut" lut -q --no-history sphere.exr -s 4 -o "$corpus/picture/seed-f32.exr"
 for encoding in rg16 rg8x2 rg8; do
   "$stylut" lut -q --no-history sphere.exr -s 4 --encoding $encoding -o "$corpus/picture/seed-$encoding.png"

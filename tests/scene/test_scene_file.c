@@ -108,6 +108,30 @@ static void test_stands(void **state) {
   sty_destroy_scene(&scene);
 }
 
+/* Of a file that names meshes which aren't there, and lacks what a scene needs. */
+static void test_camera_alone(void **state) {
+  Scratch *scratch = *state;
+  static const char good[] =
+      "{\"schema\": \"stylut-scene/1\", \"camera\": {\"type\": \"perspective\", \"position\": [1, 2, 3], "
+      "\"target\": [0, 0, 1], \"up\": [0, 0, 1], \"fov\": 50}, \"objects\": [{\"mesh\": \"none.obj\"}]}";
+  static const char *const bad[][2] = {
+      {"{\"schema\": \"stylut-scene/1\", \"camera\": {\"type\": \"fit\"}}", "camera.type: found \"fit\""},
+      {"{\"schema\": \"stylut-scene/1\", \"camera\": {}}", "camera: found"},
+      {"{\"schema\": \"stylut-scene/1\"}", "a key \"camera\""}};
+  StyStand stand = {.fov = 1};
+  StyError error = {STY_OK, ""};
+  assert_int_equal(sty_read_stand(write_bytes(scratch, "camera.json", good, strlen(good)), &stand, &error), STY_OK);
+  assert_true(stand.perspective && stand.position[2] == 3 && stand.target[2] == 1 && stand.up[1] == 0 &&
+              stand.fov == 50);
+  for (int b = 0; b < 3; b++) {
+    write_bytes(scratch, "camera.json", bad[b][0], strlen(bad[b][0]));
+    assert_int_equal(sty_read_stand(scratch->path, &stand, &error), STY_ERROR_INPUT);
+    if (!strstr(error.text, bad[b][1])) fail_msg("'%s' lacks '%s'", error.text, bad[b][1]);
+    assert_true(stand.fov == 50);
+  }
+  unlink(scratch->path);
+}
+
 /* ---- what is refused ---------------------------------------------------------- */
 
 #define HEAD "{\"schema\": \"stylut-scene/1\",\n"
@@ -210,8 +234,9 @@ static void test_missing_mesh(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_whole),   cmocka_unit_test(test_defaults), cmocka_unit_test(test_stands),
-      cmocka_unit_test(test_refused), cmocka_unit_test(test_lights),   cmocka_unit_test(test_missing_mesh),
+      cmocka_unit_test(test_whole),        cmocka_unit_test(test_defaults), cmocka_unit_test(test_stands),
+      cmocka_unit_test(test_camera_alone), cmocka_unit_test(test_refused),  cmocka_unit_test(test_lights),
+      cmocka_unit_test(test_missing_mesh),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }

@@ -1,0 +1,128 @@
+#!/usr/bin/env bats
+# stylut guide import: other programs' files. What is in them is tests/guide/test_foreign.c's;
+# here they are 16-bit floats, parts of files, and command lines.
+load helpers
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return 1
+  cat >shot.json <<'END'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "perspective", "position": [2.5, 1.8, 4], "target": [-0.2, 0.3, 0], "up": [0.1, 1, 0.2], "fov": 42 },
+  "spheres": [ { "center": [0.3, 0.2, -0.4], "radius": 1, "style": 3 }, { "center": [-1.4, 0.5, 0.6], "radius": 0.6, "style": 10 } ] }
+END
+  "$STYLUT" guide scene shot.json -s 60x44 -c all --no-history -q -o guide.exr
+  "$STYLUT" guide scene shot.json -s 60x44 --no-history -q -o guide.png
+  # Camera space, so that names alone make a file of Houdini's.
+  oiiotool guide.exr --ch normal.X,normal.Y,normal.Z,depth.Z --chnames N.x,N.y,N.z,Pz -d float -o houdini.exr
+  oiiotool houdini.exr -d half -o half.exr
+  # Nothing is turned by a camera that looks along -Z, so neither are a world's normals.
+  sed 's/"position".*"fov"/"position": [0, 0, 5], "target": [0, 0, 0], "fov"/' shot.json >front.json
+  "$STYLUT" guide scene front.json -s 60x44 -c all --no-history -q -o front.exr
+  oiiotool front.exr --ch normal.X,normal.Y,normal.Z,depth.Z,position.X,position.Y,position.Z \
+    --chnames ViewLayer.Normal.X,ViewLayer.Normal.Y,ViewLayer.Normal.Z,ViewLayer.Depth.Z,ViewLayer.Position.X,ViewLayer.Position.Y,ViewLayer.Position.Z \
+    -d float -o blender.exr
+}
+
+values=A,normal.X,normal.Y,normal.Z,depth.Z
+expect_guides_near() { # FOUND EXPECTED TOLERANCE
+  paste -d' ' <(dump "$1" $values) <(dump "$2" $values) >both.txt
+  expect 'pixels' "$(wc -l <both.txt)" 2640
+  awk -v t="$3" '{ for (k = 3; k <= 7; k++) if ($k != $(k + 7)) { d = $k - $(k + 7); if (!(d <= t && -d <= t)) { print; exit } } }' both.txt >wrong.txt
+  expect "$1 beside $2" "$(cat wrong.txt)" ''
+}
+
+@test "float and half: what went out comes back" {
+  bring '*.exr' '*.json'
+  accept guide import houdini.exr --as houdini -o float.exr
+  expect_guides_near float.exr guide.exr 1e-7
+  accept guide import half.exr --as houdini -o half_guide.exr
+  expect_guides_near half_guide.exr guide.exr 0.002 # depths of 2 to 8 have steps of 0.004
+  accept guide import blender.exr --as blender --camera front.json -o front_guide.exr
+  expect_guides_near front_guide.exr front.exr 1e-6
+  # The camera is all that is read of its file.
+  sed 's/"spheres.*/"objects": [ { "mesh": "missing.obj" } ] }/' front.json >other.json
+  accept guide import blender.exr --as blender --camera other.json --no-history -o a.exr
+  accept guide import blender.exr --as blender --camera front.json --no-history -o b.exr -j 1
+  expect_same a.exr b.exr
+}
+
+@test "a file of parts" {
+  bring '*.exr'
+  oiiotool houdini.exr --ch N.x,N.y,N.z --chnames x,y,z --attrib oiio:subimagename N \
+    houdini.exr --ch Pz --chnames Pz --attrib oiio:subimagename Pz --siappend -d float -o parts.exr
+  accept guide import parts.exr --as houdini -o parts_guide.exr
+  expect_guides_near parts_guide.exr guide.exr 1e-7
+}
+
+@test "pictures: as every command reads them" {
+  bring 'guide.*'
+  accept guide import guide.png --as png --no-history -o imported.png
+  accept compare imported.png guide.png
+  accept lut guide.png -s 16 --no-history -o a.exr
+  accept guide import guide.png --as png --no-history -o imported.exr
+  accept lut imported.exr -s 16 --no-history -o b.exr
+  accept compare a.exr b.exr
+  # Y down is Y up upside down, but for alpha.
+  oiiotool --no-autopremult guide.png --ch R,G,B --mulc 1,-1,1 --addc 0,1,0 guide.png --ch A --chappend -d uint8 -o directx.png
+  accept guide import directx.png --as png --flip-y -o flipped.png
+  oiiotool --no-autopremult guide.png --ch A,A,A,A flipped.png --mul -o masked.png
+  accept compare masked.png guide.png --fail 0.005
+}
+
+@test "what it took, assumed, and left out" {
+  bring '*.exr' '*.json'
+  oiiotool blender.exr guide.exr --ch object.I --chnames ViewLayer.Mist.Z --chappend -d float -o mist.exr
+  accept guide import mist.exr --as blender --camera front.json -o g.exr
+  expect_holds report "$output" 'g.exr: 60x44, '
+  expect_holds report "$output" 'taken    normal.X .Y .Z from ViewLayer.Normal.X .Y .Z'
+  expect_holds report "$output" 'assumed  normals are right-handed world space; the camera turned them'
+  expect_holds report "$output" 'left out ViewLayer.Mist.Z'
+  accept guide import mist.exr --as blender --camera front.json -o g.exr --format json
+  expect schema "$(json - 'r.schema + r.as + r.size' <<<"$output")" stylut-import/1blender60,44
+  expect lists "$(json - '[r.taken.length, r.assumed.length, r.warnings.length, r.left_out.join()].join()' <<<"$output")" 3,2,0,ViewLayer.Mist.Z
+  accept guide import mist.exr --as blender --camera front.json -o g.exr -q
+  expect 'quiet report' "$output" ''
+  accept guide import mist.exr --as blender --camera front.json -o other.exr --dry-run
+  expect 'other.exr' "$(list_files | grep -c other.exr || true)" 0
+  accept info g.exr --format json
+  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide import --as=blender --camera=front.json mist.exr'
+  expect inputs "$(json - 'r.attributes["stylut:input1"] + r.attributes["stylut:input2"]' <<<"$output")" "$(sha256sum mist.exr front.json | cut -d' ' -f1 | tr -d '\n')"
+  accept_warned 'camera sees' guide import mist.exr --as blender --camera shot.json -o g.exr
+}
+
+@test "what is refused" {
+  bring '*.exr' '*.json' guide.png
+  prove guide import houdini.exr --as houdini -o out.exr
+  refuse 1 --as guide import houdini.exr -o out.exr
+  refuse 1 maya guide import houdini.exr --as maya -o out.exr
+  refuse 1 'the file to import' guide import --as houdini -o out.exr
+  refuse 1 --output guide import houdini.exr --as houdini
+  refuse 1 out.jpg guide import houdini.exr --as houdini -o out.jpg
+  refuse 1 houdini.exr guide import houdini.exr --as houdini -o houdini.exr
+  refuse 1 front.json guide import blender.exr --as blender --camera front.json -o front.json
+  refuse 1 --space guide import houdini.exr --as houdini --space object -o out.exr
+  refuse 1 --camera guide import blender.exr --as blender -o out.exr
+  refuse 1 --camera guide import houdini.exr --as houdini --space world -o out.exr
+  refuse 2 missing.exr guide import missing.exr --as houdini -o out.exr
+  refuse 2 missing.json guide import blender.exr --as blender --camera missing.json -o out.exr
+  refuse 3 'found no normals of blender among 4 channels (Pz, N.x, N.y, N.z), expected Normal.X' guide import houdini.exr --as blender -o out.exr
+  refuse 3 'found channel Pz, which is of houdini, expected channels of arnold' guide import houdini.exr --as arnold -o out.exr
+  refuse 3 'no normals' guide import houdini.exr --as png -o out.exr
+  refuse 3 'no normals' guide import guide.png --as pbrt -o out.exr
+  head -c 600 houdini.exr >short.exr
+  refuse 3 short.exr guide import short.exr --as houdini -o out.exr
+  : >empty.exr
+  refuse 3 empty.exr guide import empty.exr --as houdini -o out.exr
+  printf '{"schema": "stylut-scene/1"}' >none.json
+  refuse 3 'a key "camera"' guide import blender.exr --as blender --camera none.json -o out.exr
+  printf '{"schema": "stylut-scene/1", "camera": {"type": "fit"}}' >fit.json
+  refuse 3 'fit.json:1:49: camera.type: found "fit"' guide import blender.exr --as blender --camera fit.json -o out.exr
+  printf '{"schema": "stylut-scene/1", "camera": {}}' >bare.json
+  refuse 3 'bare.json:1:40: camera' guide import blender.exr --as blender --camera bare.json -o out.exr
+}
+
+@test "a value that isn't finite names its pixel, where it is covered" {
+  bring houdini.exr
+  oiiotool --create 60x44 1 --addc 1 --box:color=inf:fill=1 30,22,30,22 --chnames N.x houdini.exr --ch N.y,N.z,Pz --chappend -d float -o hole.exr
+  refuse 3 'at pixel (30, 22), expected a finite value' guide import hole.exr --as houdini -o out.exr
+}
