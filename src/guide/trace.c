@@ -247,6 +247,7 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
   const double start = sty_get_milliseconds();
   if (!status) status = sty_open_tracer(scene, &render->tracer, error);
   times->build_ms = sty_get_milliseconds() - start;
+  if (!status) times->tree_bytes = sty_get_tracer_bytes(render->tracer);
   return status;
 }
 
@@ -269,7 +270,6 @@ StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const S
                           .fill = trace_band,
                           .context = &render};
   if (!status) status = sty_stream_bands(&bands, run, sink, &found.first_ms, error);
-  if (!status) found.tree_bytes = sty_get_tracer_bytes(render.tracer);
   close_render(&render);
   if (status) return status;
   found.trace_ms = sty_get_milliseconds() - start;
