@@ -235,6 +235,13 @@ charts: ensure-test-packages ## measure and draw exemplars/charts anew, but for 
 run-charts: $(TOOL) $(MODULE)
 	@exemplars/charts.sh $(TOOL) exemplars/charts $(wildcard $(STYLUT_DATA))
 
+# What guide scene --simplify leaves, and what that changes; times want an idle machine here, too.
+.PHONY: simplification run-simplification
+simplification: ensure-test-packages ## guide error, time and memory against triangles: exemplars/charts/simplify.csv and .svg
+	@$(MAKE) --no-print-directory run-simplification
+run-simplification: $(TOOL) $(MODULE)
+	@exemplars/simplify.sh $(TOOL) exemplars/charts
+
 # What lut --resolve gives on turning figures; times want an idle machine here, too.
 .PHONY: coherence run-coherence
 coherence: ensure-bench-packages ## study of --resolve: exemplars/charts/coherence.csv and its pictures

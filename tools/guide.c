@@ -1,11 +1,13 @@
 /* stylut guide sphere|scene */
 #include "stylut/guide.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
+#include "meshes.h"
 #include "options.h"
 #include "stylut/image_io.h"
 #include "stylut/parse.h"
@@ -27,6 +29,9 @@ typedef struct Arguments {
   StyContourWeights contour;
   const char *contour_only; /* an option that means nothing without the channel contour */
   const char *previous;
+  bool repair, simplify;
+  StySimplifyOptions simplify_options;
+  bool has_max_error;
   const char *scene_only;  /* an option that means nothing for a sphere */
   const char *camera_only; /* one that means nothing where a scene file has the camera */
 } Arguments;
@@ -48,7 +53,10 @@ enum {
   KEY_CONTOUR_DEPTH,
   KEY_CONTOUR_NORMAL,
   KEY_PREVIOUS,
-  KEY_SPP
+  KEY_SPP,
+  KEY_REPAIR,
+  KEY_SIMPLIFY,
+  KEY_MAX_ERROR
 };
 
 static const struct argp_option options_table[] = {
@@ -80,12 +88,35 @@ static const struct argp_option options_table[] = {
     {"previous", KEY_PREVIOUS, "MESH|SCENE.json", 0,
      "the scene one frame before, with its own camera: adds the channel motion", 0},
     {"spp", KEY_SPP, "N", 0, "light paths per pixel, best a power of two; --seed makes others (default: 64)", 0},
+    {"repair", KEY_REPAIR, NULL, 0,
+     "take duplicate triangles out, turn neighbours the same way round before normals are computed, and say what was "
+     "found, holes included",
+     0},
+    {"simplify", KEY_SIMPLIFY, "auto|COUNT", 0,
+     "repair, then collapse edges: auto to as few triangles as leave normals within --max-error and silhouettes within "
+     "half a pixel, verified by rendering both; COUNT to about so many, whatever that changes",
+     0},
+    {"max-error", KEY_MAX_ERROR, "DEG", 0,
+     "for --simplify auto: how far normals may turn, 99th percentile over pixels (default: 1)", 0},
     {0},
 };
 
 static StyStatus set_number(Options *options, const char *what, const char *text, double minimum, double maximum,
                             double *out) {
   return sty_parse_number(what, text, minimum, maximum, out, &options->error);
+}
+
+static StyStatus set_simplify(Arguments *arguments, const char *text) {
+  double count = 0;
+  StyStatus status = STY_OK;
+  if (strcmp(text, "auto") != 0) status = set_number(&arguments->options, "--simplify", text, 1, 1e9, &count);
+  if (status || count != floor(count))
+    return sty_fail(&arguments->options.error, STY_ERROR_USAGE,
+                    "--simplify: found '%s', expected auto or a number of triangles", text);
+  arguments->scene_only = "--simplify";
+  arguments->simplify = true;
+  arguments->simplify_options.triangles = (size_t)count;
+  return STY_OK;
 }
 
 static StyStatus set_option(Arguments *arguments, int key, const char *text) {
@@ -147,6 +178,15 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
       status = sty_parse_integer("--spp", text, 1, STY_MOST_SAMPLES, &samples, &options->error);
       arguments->paths.samples = (int)samples;
       return status;
+    case KEY_REPAIR:
+      arguments->scene_only = "--repair";
+      arguments->repair = true;
+      return STY_OK;
+    case KEY_SIMPLIFY: return set_simplify(arguments, text);
+    case KEY_MAX_ERROR:
+      arguments->scene_only = "--max-error";
+      arguments->has_max_error = true;
+      return set_number(options, "--max-error", text, 0, 180, &arguments->simplify_options.max_error);
     default:
       arguments->scene_only = "--flat";
       arguments->flat = true;
@@ -186,6 +226,16 @@ static StyStatus check_channels(Arguments *arguments) {
   return STY_OK;
 }
 
+static StyStatus check_simplify(Arguments *arguments) {
+  StyError *error = &arguments->options.error;
+  if (arguments->has_max_error && (!arguments->simplify || arguments->simplify_options.triangles))
+    return sty_fail(error, STY_ERROR_USAGE, "--max-error: found without --simplify auto, expected it with that only");
+  if (arguments->simplify && arguments->previous)
+    return sty_fail(error, STY_ERROR_USAGE,
+                    "--simplify: found with --previous, expected one of them: motion needs the same triangles in both");
+  return STY_OK;
+}
+
 static StyStatus check_arguments(Arguments *arguments) {
   static const char *const kinds[] = {"sphere", "scene", "strokes", "warp", NULL};
   StyError *error = &arguments->options.error;
@@ -215,7 +265,8 @@ static StyStatus check_arguments(Arguments *arguments) {
   if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
     return sty_fail(error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", arguments->width,
                     arguments->height, STY_MAX_PIXELS);
-  const StyStatus checked = check_channels(arguments);
+  StyStatus checked = check_channels(arguments);
+  if (!checked) checked = check_simplify(arguments);
   return checked ? checked : check_output(arguments);
 }
 
@@ -243,6 +294,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_CONTOUR_NORMAL:
     case KEY_PREVIOUS:
     case KEY_SPP:
+    case KEY_REPAIR:
+    case KEY_SIMPLIFY:
+    case KEY_MAX_ERROR:
     case KEY_FLAT: return end_option(set_option(arguments, key, text));
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -303,6 +357,8 @@ typedef struct Work {
   size_t triangles, covered;
   double read_ms, write_ms;
   StyTraceTimes trace;
+  StyRepair repair;
+  StySimplification simplification;
 } Work;
 
 /* Every file that the picture comes from: the scenes, and what they name. */
@@ -358,17 +414,40 @@ static StyStatus take_rows(void *context, StyImage *rows, StyError *error) {
   return status;
 }
 
+static StyTraceOptions get_trace_options(const Work *work) {
+  const Arguments *arguments = work->arguments;
+  return (StyTraceOptions){.width = arguments->width,
+                           .height = arguments->height,
+                           .groups = arguments->groups,
+                           .flat = arguments->flat,
+                           .ray_frame = arguments->frame == 1,
+                           .nearest_texels = arguments->filter == 1,
+                           .contour = arguments->contour,
+                           .previous = {work->previous.scene, &work->previous.camera},
+                           .paths = {arguments->paths.samples, arguments->options.seed}};
+}
+
+/* What was asked for to be done to the meshes before they are traced. */
+static StyStatus prepare_meshes(Work *work, StyError *error) {
+  const Arguments *arguments = work->arguments;
+  StyRepair of_previous;
+  StyStatus status = STY_OK;
+  if (arguments->repair || arguments->simplify) status = sty_repair_scene(work->shot.scene, &work->repair, error);
+  if (!status && arguments->repair && work->previous.scene)
+    status = sty_repair_scene(work->previous.scene, &of_previous, error);
+  if (!status && arguments->simplify && !arguments->options.dry_run) {
+    const StyTraceOptions trace = get_trace_options(work);
+    const StyRun run = {.threads = arguments->options.threads};
+    status = sty_simplify_scene(work->shot.scene, &work->shot.camera, &trace, &arguments->simplify_options, &run,
+                                &work->simplification, error);
+  }
+  work->triangles = status ? 0 : sty_count_scene_triangles(work->shot.scene);
+  return status;
+}
+
 static StyStatus trace_scene(Work *work, StyError *error) {
   const Arguments *arguments = work->arguments;
-  const StyTraceOptions trace = {.width = arguments->width,
-                                 .height = arguments->height,
-                                 .groups = arguments->groups,
-                                 .flat = arguments->flat,
-                                 .ray_frame = arguments->frame == 1,
-                                 .nearest_texels = arguments->filter == 1,
-                                 .contour = arguments->contour,
-                                 .previous = {work->previous.scene, &work->previous.camera},
-                                 .paths = {arguments->paths.samples, arguments->options.seed}};
+  const StyTraceOptions trace = get_trace_options(work);
   const StyRun run = begin_progress(&arguments->options, "tracing");
   const StyStatus status = sty_trace_rows(work->shot.scene, &work->shot.camera, &trace, &run,
                                           &(StyRowSink){take_rows, work}, &work->trace, error);
@@ -381,9 +460,8 @@ static StyStatus open_shots(Work *work, StyError *error) {
   const double start = sty_get_milliseconds();
   StyStatus status = open_shot(arguments, arguments->mesh, &work->shot, error);
   if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &work->previous, error);
-  if (!status) work->triangles = sty_count_scene_triangles(work->shot.scene);
   work->read_ms = sty_get_milliseconds() - start;
-  return status;
+  return status ? status : prepare_meshes(work, error);
 }
 
 static StyStatus draw_sphere(Work *work, StyError *error) {
@@ -405,12 +483,15 @@ static StyStatus print_report(const Work *work, StyError *error) {
   if (!work->covered)
     warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
          clean_text(arguments->options.output));
-  if (arguments->options.json)
-    return print_json(
+  if (arguments->options.json) {
+    json_t *report =
         json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size", arguments->width,
                   arguments->height, "covered", (json_int_t)work->covered, "triangles", (json_int_t)work->triangles,
-                  "time_ms", pack_times(stages, times, 5), "mrays_per_s", rate, "peak_bytes", get_peak_bytes()),
-        error);
+                  "time_ms", pack_times(stages, times, 5), "mrays_per_s", rate, "peak_bytes", get_peak_bytes());
+    if (arguments->repair || arguments->simplify) json_object_set_new(report, "repair", pack_repair(&work->repair));
+    if (arguments->simplify) json_object_set_new(report, "simplify", pack_simplification(&work->simplification));
+    return print_json(report, error);
+  }
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d, %.1f %% covered\n", clean_text(arguments->options.output), arguments->width, arguments->height,
          100.0 * (double)work->covered / pixels);
@@ -419,6 +500,8 @@ static StyStatus print_report(const Work *work, StyError *error) {
         "%zu triangles; read %.0f ms, tree %.0f ms, first pixels %.0f ms, all %.0f ms (%.1f million rays/s), of which "
         "writing, alongside, took %.0f ms\n",
         work->triangles, times[0], times[1], times[2], times[3], rate, times[4]);
+  if (arguments->repair || arguments->simplify) print_repair(&work->repair);
+  if (arguments->simplify) print_simplification(&work->simplification, &arguments->simplify_options);
   return STY_OK;
 }
 
@@ -473,6 +556,7 @@ StyStatus run_guide(int argc, char **argv) {
       .mesh_options = {.crease_angle = -1},
       .contour = sty_default_contour,
       .paths = sty_default_paths,
+      .simplify_options = {.max_error = 1, .silhouette = 0.5},
   };
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "commands.h"
+#include "meshes.h"
 #include "options.h"
 #include "stylut/image_io.h"
 #include "stylut/pack.h"
@@ -23,7 +24,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->file, text); break;
     case ARGP_KEY_END:
-      status = require_argument(&arguments->options, arguments->file, "a picture, a table, a scene or a bundle");
+      status =
+          require_argument(&arguments->options, arguments->file, "a picture, a table, a mesh, a scene or a bundle");
       break;
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -35,8 +37,8 @@ static const struct argp parser = {
     .parser = parse_option,
     .args_doc = "FILE",
     .doc =
-        "Says what a picture, guide, table, scene file or bundle holds: size, channels with their ranges, how it was "
-        "made.",
+        "Says what a picture, guide, table, mesh, scene file or bundle holds: size, channels with their ranges, how it "
+        "was made; of a mesh what of it is broken, which 'guide scene --repair' puts right.",
     .children = children,
 };
 
@@ -195,6 +197,27 @@ static StyStatus show_scene(const Arguments *arguments, StyError *error) {
   return status;
 }
 
+/* ---- meshes ---- */
+
+static StyStatus show_mesh(const Arguments *arguments, StyError *error) {
+  StyMesh *mesh = NULL;
+  StyMeshSurvey survey = {0};
+  StyStatus status = sty_read_mesh(arguments->file, &(StyMeshOptions){.crease_angle = -1}, &mesh, error);
+  if (!status) status = sty_survey_mesh(mesh, &survey, error);
+  if (!status && arguments->options.json) {
+    status = print_json(json_pack("{s:s, s:s, s:i, s:o, s:o, s:o}", "schema", "stylut-info/1", "kind", "mesh", "parts",
+                                  mesh->part_count, "minimum", pack_vector(mesh->minimum), "maximum",
+                                  pack_vector(mesh->maximum), "survey", pack_survey(&survey)),
+                        error);
+  } else if (!status) {
+    printf("%s: mesh of %d part(s) from (%g, %g, %g) to (%g, %g, %g)\n", clean_text(arguments->file), mesh->part_count,
+           mesh->minimum[0], mesh->minimum[1], mesh->minimum[2], mesh->maximum[0], mesh->maximum[1], mesh->maximum[2]);
+    print_survey(&survey);
+  }
+  sty_destroy_mesh(&mesh);
+  return status;
+}
+
 StyStatus run_info(int argc, char **argv) {
   Arguments arguments = {.file = NULL};
   StyError *error = &arguments.options.error;
@@ -204,6 +227,7 @@ StyStatus run_info(int argc, char **argv) {
     const bool is_folder = stat(arguments.file, &info) == 0 && S_ISDIR(info.st_mode);
     status = is_folder                           ? show_bundle(&arguments, error)
              : sty_is_scene_file(arguments.file) ? show_scene(&arguments, error)
+             : sty_is_mesh_file(arguments.file)  ? show_mesh(&arguments, error)
                                                  : show_image(&arguments, error);
   }
   return finish_command(&arguments.options, status);

@@ -128,9 +128,10 @@ typedef struct StyTraceOptions {
 } StyTraceOptions;
 
 typedef struct StyTraceTimes {
-  double build_ms; /* acceleration structure */
-  double first_ms; /* from the end of that to the first band of pixels */
-  double trace_ms; /* rays and shading */
+  double build_ms;   /* acceleration structure */
+  double first_ms;   /* from the end of that to the first band of pixels */
+  double trace_ms;   /* rays and shading */
+  double tree_bytes; /* most memory that the structure took, over the scene's own */
 } StyTraceTimes;
 
 /* Takes the next rows of a guide, from the top: a guide of its own, as high as the rows are, which it may change but

@@ -42,6 +42,11 @@ typedef struct StyMesh {
   double centre[3];              /* world */
   double scale;                  /* trace units per world unit */
   double minimum[3], maximum[3]; /* world bounds */
+  /* What reading it did. */
+  size_t vertices_read;  /* as the importer hands them over: of an OBJ or STL one per corner, unused ones too */
+  size_t repeated_faces; /* left out: two of their corners lie at the same place */
+  size_t flat_faces;     /* left out: others without area */
+  double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
 } StyMesh;
 
 typedef struct StyMeshOptions {
@@ -50,6 +55,9 @@ typedef struct StyMeshOptions {
    * files count as having none, since that format can only store facets. */
   double crease_angle;
 } StyMeshOptions;
+
+/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb or .off. */
+bool sty_is_mesh_file(const char *path);
 
 /* Imports OBJ, PLY, STL, glTF or OFF through Assimp. Every index and coordinate
  * is checked. Zero-area triangles are left out. The caller owns the mesh.

@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +38,8 @@ struct StyTracer {
   Placed *placed;  /* 1 per object */
   Ball *balls;     /* 1 per sphere */
   const StyScene *model;
-  char message[256]; /* what Embree complained about first */
+  char message[256];                   /* what Embree complained about first */
+  _Atomic long long bytes, most_bytes; /* Embree's own */
 };
 
 /* Scaled first, so that products of extreme transforms stay finite. */
@@ -81,6 +83,17 @@ static void keep_message(void *context, enum RTCError code, const char *text) {
   StyTracer *tracer = context;
   if (!tracer->message[0])
     snprintf(tracer->message, sizeof tracer->message, "%s (code %d)", text ? text : "no reason given", (int)code);
+}
+
+/* Called from whichever thread asks for memory. */
+static bool count_bytes(void *context, ssize_t bytes, bool post) {
+  (void)post;
+  StyTracer *tracer = context;
+  const long long now = tracer->bytes += bytes;
+  long long most = tracer->most_bytes;
+  while (now > most && !atomic_compare_exchange_weak(&tracer->most_bytes, &most, now)) {
+  }
+  return true;
 }
 
 static RTCGeometry make_triangles(const StyTracer *tracer, const StyMesh *mesh) {
@@ -167,6 +180,7 @@ static StyStatus build_tracer(StyTracer *tracer, const StyScene *scene, StyError
   if (!tracer->device)
     return sty_fail(error, STY_ERROR_LIBRARY, "Embree does not start (code %d)", (int)rtcGetDeviceError(NULL));
   rtcSetDeviceErrorFunction(tracer->device, keep_message, tracer);
+  rtcSetDeviceMemoryMonitorFunction(tracer->device, count_bytes, tracer);
   tracer->scene = make_tree(tracer);
   if (tracer->scene) {
     attach_all(tracer);
@@ -187,6 +201,8 @@ StyStatus sty_open_tracer(const StyScene *scene, StyTracer **out, StyError *erro
     *out = tracer;
   return status;
 }
+
+double sty_get_tracer_bytes(const StyTracer *tracer) { return (double)tracer->most_bytes; }
 
 void sty_close_tracer(StyTracer **closed) {
   if (!closed || !*closed) return;

@@ -62,6 +62,9 @@ typedef struct StyHit {
 StyStatus sty_open_tracer(const StyScene *scene, StyTracer **out, StyError *error);
 void sty_close_tracer(StyTracer **tracer);
 
+/* Most memory that Embree took at a time, bytes. */
+double sty_get_tracer_bytes(const StyTracer *tracer);
+
 /* Traces those of a block's rays (trace space) whose valid[i] is -1 (others 0, their rays finite all the same; 32-byte
  * aligned) and clears valid[i] of those that meet nothing; false where none is left. `coherent`: the rays run side by
  * side. `parts` is a set of StyHitPart. Thread-safe. */

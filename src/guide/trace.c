@@ -267,6 +267,7 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
                                  .parts = get_parts(render->groups & STY_GUIDE_PATHS, scene),
                                  .groups = render->groups,
                                  .options = options->paths};
+  if (!status) times->tree_bytes = sty_get_tracer_bytes(render->tracer);
   return status;
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/forest.h"
 #include "scene/vector.h"
 
 /* An edge that more triangles share than this is a tangle; it stays hard, and
@@ -44,17 +45,11 @@ StyStatus sty_number_corners(const StyCorner *corners, size_t count, size_t size
   return STY_OK;
 }
 
-/* The edge from corner `corner` of its triangle to the next one. */
-typedef struct Edge {
-  uint32_t low, high; /* numbers of the end positions */
-  uint32_t corner;
-} Edge;
-
 typedef struct Smoothing {
   size_t triangle_count, corner_count;
   uint32_t *ids;     /* position number per corner */
   uint32_t *parents; /* union-find forest over corners */
-  Edge *edges;       /* 1 per corner */
+  StyEdge *edges;    /* 1 per corner */
   double *facets;    /* 3 per triangle, unit normals */
   double *sums;      /* 3 per corner, used at the roots */
   double cosine;     /* facets that bend less than this are joined */
@@ -79,51 +74,35 @@ static StyStatus allocate_smoothing(Smoothing *s, size_t triangle_count, StyErro
   if (s->ids && s->parents && s->edges && s->facets && s->sums) return STY_OK;
   free_smoothing(s);
   return sty_fail_memory(error, "smooth normals",
-                         (double)n * (2 * sizeof(uint32_t) + sizeof(Edge) + 4 * sizeof(double)));
-}
-
-static uint32_t next_corner(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
-
-static uint32_t find_root(uint32_t *parents, uint32_t corner) {
-  while (parents[corner] != corner) corner = parents[corner] = parents[parents[corner]];
-  return corner;
-}
-
-/* The lower number becomes the root, so that results don't depend on order. */
-static void join_corners(uint32_t *parents, uint32_t a, uint32_t b) {
-  a = find_root(parents, a), b = find_root(parents, b);
-  if (a < b)
-    parents[b] = a;
-  else
-    parents[a] = b;
+                         (double)n * (2 * sizeof(uint32_t) + sizeof(StyEdge) + 4 * sizeof(double)));
 }
 
 static int compare_edges(const void *a, const void *b) {
-  const Edge *x = a, *y = b;
+  const StyEdge *x = a, *y = b;
   if (x->low != y->low) return x->low < y->low ? -1 : 1;
   if (x->high != y->high) return x->high < y->high ? -1 : 1;
   return (x->corner > y->corner) - (x->corner < y->corner);
 }
 
-static void list_edges(Smoothing *s) {
-  for (uint32_t c = 0; c < s->corner_count; c++) {
-    uint32_t from = s->ids[c], to = s->ids[next_corner(c)];
-    s->edges[c] = (Edge){from < to ? from : to, from < to ? to : from, c};
+void sty_list_edges(const uint32_t *ids, size_t corner_count, StyEdge *edges) {
+  for (uint32_t c = 0; c < corner_count; c++) {
+    const uint32_t from = ids[c], to = ids[sty_next_corner(c)];
+    edges[c] = (StyEdge){from < to ? from : to, from < to ? to : from, c};
   }
-  qsort(s->edges, s->corner_count, sizeof *s->edges, compare_edges);
+  qsort(edges, corner_count, sizeof *edges, compare_edges);
 }
 
-static void join_across_edge(Smoothing *s, const Edge *a, const Edge *b) {
+static void join_across_edge(Smoothing *s, const StyEdge *a, const StyEdge *b) {
   if (dot_vectors(&s->facets[a->corner / 3 * 3], &s->facets[b->corner / 3 * 3]) < s->cosine) return;
-  uint32_t a_from = a->corner, a_to = next_corner(a_from), b_from = b->corner, b_to = next_corner(b_from);
+  uint32_t a_from = a->corner, a_to = sty_next_corner(a_from), b_from = b->corner, b_to = sty_next_corner(b_from);
   bool same_direction = s->ids[a_from] == s->ids[b_from];
-  join_corners(s->parents, a_from, same_direction ? b_from : b_to);
-  join_corners(s->parents, a_to, same_direction ? b_to : b_from);
+  join_sets(s->parents, a_from, same_direction ? b_from : b_to);
+  join_sets(s->parents, a_to, same_direction ? b_to : b_from);
 }
 
 static void join_smooth_edges(Smoothing *s) {
   for (size_t begin = 0, end; begin < s->corner_count; begin = end) {
-    const Edge *edge = &s->edges[begin];
+    const StyEdge *edge = &s->edges[begin];
     for (end = begin + 1; end < s->corner_count; end++)
       if (s->edges[end].low != edge->low || s->edges[end].high != edge->high) break;
     if (end - begin > MAX_EDGE_TRIANGLES) continue;
@@ -149,8 +128,8 @@ static void compute_facets(Smoothing *s, const StyCorner *corners) {
 static void add_facets(Smoothing *s, const StyCorner *corners) {
   for (uint32_t c = 0; c < s->corner_count; c++) {
     double a[3], b[3], normal[3], *sum = &s->sums[3 * (size_t)find_root(s->parents, c)];
-    get_edge_vector(&corners[c], &corners[next_corner(c)], a);
-    get_edge_vector(&corners[c], &corners[next_corner(next_corner(c))], b);
+    get_edge_vector(&corners[c], &corners[sty_next_corner(c)], a);
+    get_edge_vector(&corners[c], &corners[sty_next_corner(sty_next_corner(c))], b);
     cross_vectors(a, b, normal);
     double angle = atan2(sqrt(dot_vectors(normal, normal)), dot_vectors(a, b));
     for (int k = 0; k < 3; k++) sum[k] += angle * s->facets[c / 3 * 3 + (uint32_t)k];
@@ -179,7 +158,7 @@ StyStatus sty_smooth_corners(StyCorner *corners, size_t triangle_count, double c
   if (status == STY_OK) {
     for (uint32_t c = 0; c < s.corner_count; c++) s.parents[c] = c;
     compute_facets(&s, corners);
-    list_edges(&s);
+    sty_list_edges(s.ids, s.corner_count, s.edges);
     join_smooth_edges(&s);
     /* Before the sums are touched, so that the two never take room together. */
     free(s.edges);

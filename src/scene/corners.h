@@ -24,6 +24,18 @@ typedef struct StyCorner {
 StyStatus sty_number_corners(const StyCorner *corners, size_t count, size_t size, uint32_t *ids, size_t *distinct,
                              StyError *error);
 
+static inline uint32_t sty_next_corner(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+/* The edge from corner `corner` of its triangle to the next one. */
+typedef struct StyEdge {
+  uint32_t low, high; /* numbers of the end positions */
+  uint32_t corner;
+} StyEdge;
+
+/* The edges of all triangles, one per corner, whose position has the number ids[c]; sorted, so that those between the
+ * same positions stand together, in the order of their corners. */
+void sty_list_edges(const uint32_t *ids, size_t corner_count, StyEdge *edges);
+
 /* Fills every corner normal that isn't known: the mean of the facet normals
  * around the vertex, weighted by the facets' angles there (Thuermer and
  * Wuethrich 1998), so that it doesn't depend on how faces are cut into

@@ -16,6 +16,7 @@
 #include "scene/corners.h"
 #include "scene/import.h"
 #include "scene/ply.h"
+#include "scene/share.h"
 #include "scene/vector.h"
 #include "stylut/file.h"
 #include "stylut/mesh.h"
@@ -60,13 +61,19 @@ static const char *find_extension(const char *path) {
   return dot && !strchr(dot, '/') ? dot + 1 : "";
 }
 
-static StyStatus check_extension(const char *path, StyError *error) {
+bool sty_is_mesh_file(const char *path) {
   static const char *const KNOWN[] = {"obj", "ply", "stl", "gltf", "glb", "off"};
   const char *extension = find_extension(path);
   for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
-    if (strcasecmp(extension, KNOWN[i]) == 0) return STY_OK;
+    if (strcasecmp(extension, KNOWN[i]) == 0) return true;
+  return false;
+}
+
+static StyStatus check_extension(const char *path, StyError *error) {
+  if (sty_is_mesh_file(path)) return STY_OK;
   return sty_fail(error, STY_ERROR_INPUT,
-                  "%s: found the file ending '%s', expected .obj, .ply, .stl, .gltf, .glb or .off", path, extension);
+                  "%s: found the file ending '%s', expected .obj, .ply, .stl, .gltf, .glb or .off", path,
+                  find_extension(path));
 }
 
 static StyStatus fail_library(const char *path, StyError *error) {
@@ -388,6 +395,12 @@ static bool has_corner_area(const StyCorner corners[3]) {
   return has_area(at[0], at[1], at[2]);
 }
 
+static bool is_repeated(const StyCorner corners[3]) {
+  for (int k = 0; k < 3; k++)
+    if (memcmp(corners[k].position, corners[(k + 1) % 3].position, sizeof corners->position) == 0) return true;
+  return false;
+}
+
 static void fill_part(const Import *import, const Part *part, StyMesh *mesh, StyCorner *corners) {
   for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
     if (part->mesh->mFaces[f].mNumIndices != 3) continue;
@@ -396,8 +409,14 @@ static void fill_part(const Import *import, const Part *part, StyMesh *mesh, Sty
     order_triangle(part, &part->mesh->mFaces[f], vertices);
     for (int k = 0; k < 3; k++) fill_corner(import, mesh, part, vertices[k], &own[k]);
     /* Rounding to trace space may flatten a triangle that had an area. */
-    if (has_corner_area(own)) mesh->part_ids[mesh->triangle_count++] = (uint32_t)mesh->part_count;
+    if (has_corner_area(own))
+      mesh->part_ids[mesh->triangle_count++] = (uint32_t)mesh->part_count;
+    else if (is_repeated(own))
+      mesh->repeated_faces++;
+    else
+      mesh->flat_faces++;
   }
+  mesh->vertices_read += part->mesh->mNumVertices;
 }
 
 static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **out, StyError *error) {
@@ -480,29 +499,11 @@ static StyStatus read_paints(const Import *import, StyMesh *mesh, StyError *erro
 
 /* ---- the mesh ---- */
 
-static bool lacks_normals(const StyCorner *corners, size_t count) {
+static size_t count_unknown(const StyCorner *corners, size_t count) {
+  size_t unknown = 0;
   for (size_t c = 0; c < count; c++)
-    if (corners[c].normal[0] == 0 && corners[c].normal[1] == 0 && corners[c].normal[2] == 0) return true;
-  return false;
-}
-
-static StyStatus share_vertices(StyMesh *mesh, const StyCorner *corners, bool has_uvs, StyError *error) {
-  const size_t count = 3 * mesh->triangle_count, size = has_uvs ? sizeof *corners : offsetof(StyCorner, uv);
-  mesh->indices = malloc(count * sizeof *mesh->indices);
-  if (!mesh->indices) return sty_fail_memory(error, "mesh indices", (double)(count * sizeof *mesh->indices));
-  StyStatus status = sty_number_corners(corners, count, size, mesh->indices, &mesh->vertex_count, error);
-  if (status != STY_OK) return status;
-  mesh->positions = calloc(3 * mesh->vertex_count + 1, sizeof *mesh->positions);
-  mesh->normals = malloc(3 * mesh->vertex_count * sizeof *mesh->normals);
-  if (has_uvs) mesh->uvs = malloc(2 * mesh->vertex_count * sizeof *mesh->uvs);
-  if (!mesh->positions || !mesh->normals || (has_uvs && !mesh->uvs))
-    return sty_fail_memory(error, "mesh vertices", (double)mesh->vertex_count * sizeof *corners);
-  for (size_t c = 0; c < count; c++) {
-    memcpy(&mesh->positions[3 * (size_t)mesh->indices[c]], corners[c].position, sizeof corners->position);
-    memcpy(&mesh->normals[3 * (size_t)mesh->indices[c]], corners[c].normal, sizeof corners->normal);
-    if (has_uvs) memcpy(&mesh->uvs[2 * (size_t)mesh->indices[c]], corners[c].uv, sizeof corners->uv);
-  }
-  return STY_OK;
+    unknown += corners[c].normal[0] == 0 && corners[c].normal[1] == 0 && corners[c].normal[2] == 0;
+  return unknown;
 }
 
 /* Lets go of the importer's copy, which nothing needs once corners are filled. */
@@ -521,9 +522,10 @@ static StyStatus build_mesh(Import *import, double crease_angle, StyMesh *mesh, 
   if (status == STY_OK) status = fill_corners(import, mesh, &corners, error);
   if (status == STY_OK) status = read_paints(import, mesh, error);
   release_import(import);
-  if (status == STY_OK && lacks_normals(corners, 3 * mesh->triangle_count))
-    status = sty_smooth_corners(corners, mesh->triangle_count, crease_angle, error);
-  if (status == STY_OK) status = share_vertices(mesh, corners, import->has_uvs, error);
+  const size_t unknown = status == STY_OK ? count_unknown(corners, 3 * mesh->triangle_count) : 0;
+  mesh->crease_angle = unknown == 3 * mesh->triangle_count ? crease_angle : -1;
+  if (unknown) status = sty_smooth_corners(corners, mesh->triangle_count, crease_angle, error);
+  if (status == STY_OK) status = sty_share_vertices(mesh, corners, import->has_uvs, error);
   free(corners);
   return status;
 }

@@ -296,7 +296,7 @@ static void test_only_what_is_asked_for(void **state) {
   StyScene *scene = read_scene(*state, CUBE_OBJ, -1);
   StyCamera camera;
   assert_int_equal(sty_fit_camera(scene, &THREE_QUARTER, 33, 17, &camera, NULL), STY_OK);
-  StyTraceTimes times = {-1, -1, -1};
+  StyTraceTimes times = {.build_ms = -1, .first_ms = -1, .trace_ms = -1};
   for (unsigned groups = 0; groups <= ALL; groups++) {
     StyImage *guide = NULL;
     const StyTraceOptions options = {.width = 33, .height = 17, .groups = groups, .contour = {1, 1}};

@@ -1,0 +1,145 @@
+#!/usr/bin/env bats
+# Meshes as they come: stylut guide scene --repair and --simplify, stylut info MESH.
+load helpers
+
+cube_points=('-1 -1 -1' '1 -1 -1' '1 1 -1' '-1 1 -1' '-1 -1 1' '1 -1 1' '1 1 1' '-1 1 1')
+write_off() { # FACE...
+  printf '%s\n' OFF "8 $# 0" "${cube_points[@]}"
+  printf '3 %s\n' "$@"
+}
+clean=('0 3 2' '0 2 1' '4 5 6' '4 6 7' '0 1 5' '0 5 4' '2 3 7' '2 7 6' '1 2 6' '1 6 5' '0 4 7' '0 7 3')
+
+write_cubes() {
+  write_off "${clean[@]}" >clean.off
+  # Turned: 0 3 2, 4 5 6 and 0 5 4; twice: 4 5 6 and 0 2 1; repeated indices twice.
+  write_off '0 2 3' '0 2 1' '4 6 5' '0 0 1' "${clean[@]:3:2}" '4 5 6' '0 4 5' '0 2 1' "${clean[@]:6}" '0 0 0' >dirty.off
+  # Without its front.
+  write_off "${clean[@]:0:2}" "${clean[@]:4}" >open.off
+}
+
+# Figures of a repair or a survey, in the order of the words.
+get() { json - "(s => [${2//,/,s.}].join(' '))(${1})" <<<"$output"; }
+
+skip_without_cgal() {
+  if [[ ${STYLUT_BUILD##*/} = *-nocgal ]]; then skip 'a build without CGAL'; fi
+}
+
+@test "info tells what is broken" {
+  write_cubes
+  local words='s.points,triangles,repeated_index_faces,degenerate_faces,duplicate_triangles,non_manifold_edges,holes,border_edges,connected_components'
+  accept info clean.off --format json
+  expect 'clean cube' "$(get r.survey "$words")" '8 12 0 0 0 0 0 0 1'
+  expect schema "$(json - 'r.schema + r.kind' <<<"$output")" stylut-info/1mesh
+  accept info dirty.off --format json
+  expect 'dirty cube' "$(get r.survey "$words")" '8 14 2 0 2 0 0 0 1'
+  expect_less 'clashing edges' 0 "$(json - r.survey.clashing_edges <<<"$output")"
+  accept info open.off --format json
+  expect 'open cube' "$(get r.survey "$words")" '8 10 0 0 0 0 1 4 1'
+  accept info open.off
+  expect_holds report "$output" '1 hole(s) of 4 border edges'
+  refuse 2 missing.off info missing.off
+}
+
+@test "a dirty cube is repaired and renders as the clean one" {
+  skip_without_cgal
+  write_cubes
+  local view=(--view 30,20 --crease 120 -s 64 -c normal,depth,object --no-history)
+  accept guide scene clean.off "${view[@]}" -o clean.exr
+  accept guide scene dirty.off "${view[@]}" -o dirty.exr
+  expect_other clean.exr dirty.exr
+  accept guide scene dirty.off "${view[@]}" --repair -o repaired.exr --format json
+  expect repair "$(get r.repair s.removed,turned,manifold)" '2 3 true'
+  expect triangles "$(json - r.triangles <<<"$output")" 12
+  accept compare clean.exr repaired.exr --fail 1e-5
+  accept guide scene clean.off "${view[@]}" --repair -o same.exr
+  expect_same clean.exr same.exr
+}
+
+@test "a hole stays a hole" {
+  skip_without_cgal
+  write_cubes
+  accept guide scene open.off -s 32 --repair -o open.exr --format json
+  expect holes "$(json - r.repair.found.holes <<<"$output")" 1
+  accept guide scene open.off -s 32 -c depth -o before.exr --no-history
+  accept guide scene open.off -s 32 -c depth --repair -o after.exr --no-history
+  expect_same before.exr after.exr
+}
+
+@test "a soup renders" {
+  # Triangles anywhere, some through others, some sharing an edge by threes.
+  awk 'BEGIN { srand(7); for (i = 0; i < 600; i++) printf "v %.4f %.4f %.4f\n", rand(), rand(), rand()
+    for (i = 1; i <= 600; i += 3) print "f", i, i + 1, i + 2
+    for (i = 1; i <= 300; i += 3) { print "f", i, i + 1, i + 3; print "f", i + 1, i, i + 5 } }' >soup.obj
+  accept guide scene soup.obj -s 48 -o soup.exr --format json
+  expect_less covered 200 "$(json - r.covered <<<"$output")"
+  skip_without_cgal
+  accept guide scene soup.obj -s 48 --repair -o repaired.exr --format json
+  expect manifold "$(json - r.repair.manifold <<<"$output")" false
+  accept guide scene soup.obj -s 48 --simplify auto --max-error 2 -o simple.exr --format json
+  expect_less 'error' "$(json - r.simplify.normal_deg.p99 <<<"$output")" 2.000001
+}
+
+@test "simplified: reported, within the budget, and the same for any number of threads" {
+  skip_without_cgal
+  awk -v shape=torus -f "$exemplars/shapes.awk" | awk '1' >torus.obj
+  local options=(torus.obj --view three-quarter -s 128 --simplify auto --max-error 2 --no-history)
+  accept guide scene "${options[@]}" -o a.exr -j 1 --format json
+  expect keys "$(json - 'Object.keys(r.simplify).sort().join()' <<<"$output")" \
+    compared,full,normal_deg,search_ms,silhouette_px,simple,simpler,trials
+  expect_less p99 "$(json - r.simplify.normal_deg.p99 <<<"$output")" 2.000001
+  expect_less silhouette "$(json - r.simplify.silhouette_px <<<"$output")" 0.500001
+  expect_less 'triangles' "$(json - r.triangles <<<"$output")" 10000
+  expect 'triangles traced' "$(json - 'r.triangles === r.simplify.simple.triangles' <<<"$output")" true
+  expect_less memory "$(json - r.simplify.simple.tree_bytes <<<"$output")" "$(json - r.simplify.full.tree_bytes <<<"$output")"
+  accept guide scene "${options[@]}" -o b.exr -j 3
+  expect_same a.exr b.exr
+  expect_match report "$output" 'simplified: [0-9]+ of 102400 triangles'
+  expect_holds report "$output" 'verified: normals change by'
+}
+
+@test "simplified: where nothing can go, the mesh stays and that is said" {
+  skip_without_cgal
+  write_cubes
+  accept guide scene clean.off -s 32 --view 30,20 --simplify auto -o c.exr --no-history
+  expect_holds report "$output" 'simplified: no; all 12 triangles stay'
+  accept guide scene clean.off -s 32 --view 30,20 -o full.exr --no-history
+  expect_same c.exr full.exr
+}
+
+@test "simplified: every mesh of a scene" {
+  skip_without_cgal
+  awk -v shape=torus -f "$exemplars/shapes.awk" >torus.obj
+  awk 'BEGIN { n = 40; for (j = 0; j <= n; j++) for (i = 0; i <= n; i++) print "v", i / 10, j / 10, 0
+    for (j = 0; j < n; j++) for (i = 0; i < n; i++) { a = j * (n + 1) + i + 1; print "f", a, a + 1, a + n + 2, a + n + 1 } }' >wall.obj
+  cat >scene.json <<'END'
+{ "schema": "stylut-scene/1", "objects": [
+  { "mesh": "torus.obj", "transform": [1,0,0,-2, 0,1,0,0, 0,0,1,0, 0,0,0,1] },
+  { "mesh": "torus.obj", "transform": [0.5,0,0,2, 0,0.5,0,0, 0,0,0.5,1, 0,0,0,1] },
+  { "mesh": "wall.obj", "transform": [2,0,0,-4, 0,2,0,-4, 0,0,1,-1, 0,0,0,1], "style": 2 } ] }
+END
+  accept guide scene scene.json -s 96 --simplify auto --max-error 2 -c normal,object -o s.exr --format json
+  expect 'full' "$(json - r.simplify.full.triangles <<<"$output")" $((2 * 102400 + 3200))
+  expect_less 'simple' "$(json - r.simplify.simple.triangles <<<"$output")" 20000
+  expect_less p99 "$(json - r.simplify.normal_deg.p99 <<<"$output")" 2.000001
+}
+
+@test "what is refused" {
+  write_cubes
+  refuse 1 --simplify guide scene clean.off -s 8 --simplify some -o out.exr
+  refuse 1 --simplify guide scene clean.off -s 8 --simplify 0 -o out.exr
+  refuse 1 --simplify guide scene clean.off -s 8 --simplify 2.5 -o out.exr
+  refuse 1 --max-error guide scene clean.off -s 8 --max-error 1 -o out.exr
+  refuse 1 --max-error guide scene clean.off -s 8 --simplify 8 --max-error 1 -o out.exr
+  refuse 1 --max-error guide scene clean.off -s 8 --simplify auto --max-error 181 -o out.exr
+  refuse 1 --max-error guide scene clean.off -s 8 --simplify auto --max-error nan -o out.exr
+  refuse 1 --previous guide scene clean.off -s 8 --simplify auto --previous clean.off -o out.exr
+  refuse 1 --repair guide sphere -s 8 --repair -o out.exr
+  refuse 1 --simplify guide sphere -s 8 --simplify auto -o out.exr
+}
+
+@test "a build without CGAL says so" {
+  [[ ${STYLUT_BUILD##*/} = *-nocgal ]] || skip 'a build with CGAL'
+  write_cubes
+  refuse 5 CGAL guide scene dirty.off -s 8 --repair -o out.exr
+  refuse 5 CGAL guide scene clean.off -s 8 --simplify auto -o out.exr
+}

@@ -1,0 +1,81 @@
+#include "meshes.h"
+
+#include <stdio.h>
+
+json_t *pack_survey(const StyMeshSurvey *s) {
+  const struct {
+    const char *name;
+    size_t value;
+  } figures[] = {
+      {"vertices", s->vertices},
+      {"points", s->points},
+      {"triangles", s->triangles},
+      {"repeated_index_faces", s->repeated},
+      {"degenerate_faces", s->flat},
+      {"duplicate_triangles", s->copies},
+      {"clashing_edges", s->clashes},
+      {"non_manifold_edges", s->tangles},
+      {"border_edges", s->borders},
+      {"holes", s->holes},
+      {"connected_components", s->components},
+  };
+  json_t *report = json_object();
+  for (size_t i = 0; i < sizeof figures / sizeof *figures; i++)
+    json_object_set_new(report, figures[i].name, json_integer((json_int_t)figures[i].value));
+  return report;
+}
+
+void print_survey(const StyMeshSurvey *s) {
+  printf("  %zu triangles on %zu points, of %zu vertices\n", s->triangles, s->points, s->vertices);
+  printf("  left out: %zu face(s) with a repeated point, %zu other(s) without area\n", s->repeated, s->flat);
+  printf("  %zu duplicate triangle(s), %zu edge(s) whose triangles are wound against each other\n", s->copies,
+         s->clashes);
+  printf("  %zu connected component(s), %zu hole(s) of %zu border edges, %zu non-manifold edge(s)\n", s->components,
+         s->holes, s->borders, s->tangles);
+}
+
+json_t *pack_repair(const StyRepair *repair) {
+  return json_pack("{s:o, s:I, s:I, s:b}", "found", pack_survey(&repair->found), "removed", (json_int_t)repair->removed,
+                   "turned", (json_int_t)repair->turned, "manifold", repair->is_manifold);
+}
+
+void print_repair(const StyRepair *repair) {
+  printf("repair: %zu duplicate triangle(s) removed, %zu turned round; %s\n", repair->removed, repair->turned,
+         repair->is_manifold ? "now a manifold" : "still not a manifold, which renders all the same");
+  print_survey(&repair->found);
+}
+
+/* ---- simplification ---- */
+
+static json_t *pack_cost(const StyRenderCost *cost) {
+  return json_pack("{s:I, s:f, s:f, s:f, s:f}", "triangles", (json_int_t)cost->triangles, "build_ms", cost->build_ms,
+                   "trace_ms", cost->trace_ms, "mesh_bytes", cost->mesh_bytes, "tree_bytes", cost->tree_bytes);
+}
+
+json_t *pack_simplification(const StySimplification *done) {
+  const StyGuideChange *change = &done->change;
+  return json_pack("{s:b, s:o, s:o, s:{s:f, s:f, s:f}, s:f, s:I, s:i, s:f}", "simpler", done->is_simpler, "full",
+                   pack_cost(&done->full), "simple", pack_cost(&done->simple), "normal_deg", "mean", change->mean,
+                   "p99", change->p99, "max", change->maximum, "silhouette_px", change->silhouette, "compared",
+                   (json_int_t)change->compared, "trials", done->trials, "search_ms", done->search_ms);
+}
+
+static double get_mib(const StyRenderCost *cost) { return (cost->mesh_bytes + cost->tree_bytes) / (1 << 20); }
+
+void print_simplification(const StySimplification *done, const StySimplifyOptions *options) {
+  const StyRenderCost *full = &done->full, *simple = &done->simple;
+  if (!done->is_simpler) {
+    printf(
+        "simplified: no; all %zu triangles stay, since none of %d trial(s) kept normals within %g degrees at p99 and "
+        "silhouettes within %g pixels (%.0f ms)\n",
+        full->triangles, done->trials, options->max_error, options->silhouette, done->search_ms);
+    return;
+  }
+  printf("simplified: %zu of %zu triangles (%.1f %%), found in %.0f ms with %d trial(s)\n", simple->triangles,
+         full->triangles, 100 * (double)simple->triangles / (double)full->triangles, done->search_ms, done->trials);
+  printf("  verified: normals change by %.3f degrees at p99 (mean %.3f, most %.1f), silhouettes by %s%g pixels\n",
+         done->change.p99, done->change.mean, done->change.maximum,
+         done->change.silhouette >= STY_MOST_SILHOUETTE ? "at least " : "", done->change.silhouette);
+  printf("  tree %.1f -> %.1f ms, rays %.1f -> %.1f ms, meshes with tree %.1f -> %.1f MiB\n", full->build_ms,
+         simple->build_ms, full->trace_ms, simple->trace_ms, get_mib(full), get_mib(simple));
+}
