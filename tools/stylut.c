@@ -16,7 +16,7 @@ typedef struct Command {
 } Command;
 
 static const Command commands[] = {
-    {"guide", "render a guide map of a sphere or a mesh", run_guide},
+    {"guide", "make a guide map: of a sphere, a scene, a picture, other programs' passes", run_guide},
     {"lut", "build the nearest-neighbour look-up table of a guide", run_lut},
     {"match", "find each pixel's nearest source pixel by any channels", run_match},
     {"probe", "send one guide value through a table, step by step", run_probe},
