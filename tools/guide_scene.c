@@ -216,8 +216,6 @@ static StyStatus check_arguments(GuideArguments *arguments) {
   if (kind > 1)
     return sty_fail(error, STY_ERROR_USAGE, "guide %s: found behind options, expected 'stylut guide %s' and then those",
                     given, given);
-  if (kind > 1)
-    return sty_fail(error, STY_ERROR_USAGE, "guide: found options before '%s', expected them after it", kinds[kind]);
   if (kind == 1 && !arguments->mesh)
     return sty_fail(error, STY_ERROR_USAGE, "guide scene: found no mesh, expected a file name");
   if (kind == 0 && arguments->mesh)
