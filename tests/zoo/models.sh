@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Every file of Debian's assimp-testmodels, broken ones too: rendered, refused with one line and
+# code 3, or a format that isn't taken. Prints the tally; fails on anything else, such as a
+# crash, more than one line, or more than 20 seconds. Usage: models.sh STYLUT
+set -uo pipefail
+stylut=$1
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+declare -A tally=([rendered]=0 [refused]=0 [untaken]=0 [bad]=0)
+
+while read -r model; do
+  [ -f "$model" ] || continue
+  timeout 21 "$stylut" guide scene "$model" -c normal,albedo -s 64 -q -o "$scratch/guide.exr" 2>"$scratch/error"
+  code=$?
+  if [ $code -eq 0 ]; then
+    outcome=rendered
+  elif [ $code -eq 3 ] && [ "$(wc -l <"$scratch/error")" -eq 1 ]; then
+    if grep -q 'found the file ending' "$scratch/error"; then outcome=untaken; else outcome=refused; fi
+  else
+    outcome=bad
+    printf 'models: %s: found code %d and %s, expected a guide or one line and code 3\n' "$model" $code \
+      "$(head -c 300 "$scratch/error" | tr '\n' ' ')" >&2
+  fi
+  tally[$outcome]=$((tally[$outcome] + 1))
+done < <(dpkg -L assimp-testmodels)
+printf 'assimp-testmodels: %d rendered, %d refused with a line, %d of formats that are not taken, %d otherwise\n' \
+  "${tally[rendered]}" "${tally[refused]}" "${tally[untaken]}" "${tally[bad]}"
+[ "${tally[bad]}" -eq 0 ]
