@@ -89,7 +89,7 @@ static void keep_message(void *context, enum RTCError code, const char *text) {
 static bool count_bytes(void *context, ssize_t bytes, bool post) {
   (void)post;
   StyTracer *tracer = context;
-  const long long now = tracer->bytes += bytes;
+  const long long now = atomic_fetch_add(&tracer->bytes, bytes) + bytes;
   long long most = tracer->most_bytes;
   while (now > most && !atomic_compare_exchange_weak(&tracer->most_bytes, &most, now)) {
   }

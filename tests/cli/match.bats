@@ -182,7 +182,7 @@ engine [a-z-]+, exact; distance'
     refuse 1 "" match sphere.exr creature.exr --channels "$channels" -o out.exr
   done
   # What is missing, where, and what is there.
-  refuse 3 'sphere.exr: found no channel uv, expected one of A, ' match sphere.exr creature.exr --channels uv -o out.exr
+  refuse 3 'sphere.exr: found no channel glow, expected one of A, ' match sphere.exr creature.exr --channels glow -o out.exr
   refuse 3 'sphere.exr: found no channel full.R, expected one of A, ' match sphere.exr paths.exr --channels full.R -o out.exr
   refuse 3 'sphere.exr: found no channel full.R, expected one of A, ' match paths.exr sphere.exr --channels full -o out.exr
   refuse 3 LIE.B match sphere.exr paths.exr --channels depth.Z -o out.exr
