@@ -11,13 +11,6 @@ typedef struct Planes {
   float *contour;
 } Planes;
 
-/* The neighbour's pixel, or the pixel itself at the image's border. */
-static size_t step(const Planes *planes, size_t pixel, int dx, int dy) {
-  const int width = planes->image->width, height = planes->image->height;
-  const int x = (int)(pixel % (size_t)width) + dx, y = (int)(pixel / (size_t)width) + dy;
-  return x < 0 || y < 0 || x >= width || y >= height ? pixel : (size_t)y * (size_t)width + (size_t)x;
-}
-
 /* The way of the pixel's depth from the line between two neighbours; infinite beside a miss. */
 static double leave_line(const Planes *planes, size_t pixel, size_t before, size_t after) {
   if (planes->coverage[before] == 0 || planes->coverage[after] == 0) return INFINITY;
@@ -32,10 +25,12 @@ static double get_turn(const Planes *planes, size_t pixel, size_t other) {
   return 1 - cosine;
 }
 
-static double get_strength(const Planes *planes, size_t pixel, const StyContourWeights *weights, double footprint) {
+/* `around` is the pixel's neighbours left, right, above and below, or itself at the image's border. */
+static double get_strength(const Planes *planes, size_t pixel, const size_t around[4], const StyContourWeights *weights,
+                           double footprint) {
   double gap = 0, turn = 0;
   for (int axis = 0; axis < 2; axis++) {
-    const size_t before = step(planes, pixel, axis - 1, -axis), after = step(planes, pixel, 1 - axis, axis);
+    const size_t before = around[2 * axis], after = around[2 * axis + 1];
     gap = fmax(gap, leave_line(planes, pixel, before, after));
     turn = fmax(turn, fmax(get_turn(planes, pixel, before), get_turn(planes, pixel, after)));
   }
@@ -53,11 +48,13 @@ static StyStatus draw_row(void *context, long row, StyError *error) {
   (void)error;
   const Drawing *drawing = context;
   const Planes *planes = &drawing->planes;
-  const size_t width = (size_t)planes->image->width;
-  for (size_t i = (size_t)row * width; i < ((size_t)row + 1) * width; i++) {
+  const size_t width = (size_t)planes->image->width, start = (size_t)row * width;
+  const size_t up = row > 0 ? width : 0, down = row + 1 < planes->image->height ? width : 0;
+  for (size_t x = 0; x < width; x++) {
+    const size_t i = start + x, around[4] = {i - (x > 0), i + (x + 1 < width), i - up, i + down};
     if (planes->coverage[i] == 0) continue;
     const double footprint = drawing->footprint->constant + drawing->footprint->slope * (double)planes->depth[i];
-    planes->contour[i] = (float)get_strength(planes, i, drawing->weights, footprint);
+    planes->contour[i] = (float)get_strength(planes, i, around, drawing->weights, footprint);
   }
   return STY_OK;
 }

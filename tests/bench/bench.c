@@ -528,7 +528,7 @@ static void bench_guide_memory(const Paths *paths) {
   write_triangle(triangle);
   const Account idle = trace_for_memory(paths, triangle, "8"), busy = trace_for_memory(paths, mesh, "1920x1080");
   StyScene *scene = read_creature(mesh);
-  const double picture = 10.0 * PIXELS * sizeof(float); /* A, normal, depth, position, object, style */
+  const double picture = 18.0 * PIXELS * sizeof(float); /* all channels, were they held at once */
   const double vertices = (double)scene->meshes[0]->vertex_count * 6 * sizeof(float);
   const double triangles = (double)scene->meshes[0]->triangle_count * 4 * sizeof(uint32_t);
   print_idle("memory of guide scene", &idle);
