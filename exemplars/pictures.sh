@@ -9,24 +9,24 @@ mkdir -p "$out"
 # on_paper IN OUT WIDTH: over white, scaled to WIDTH, without metadata.
 on_paper() {
   local height=$(($3 * 1024 / 900))
-  oiiotool --no-autopremult "$1" --ch R,G,B,A --resize "$3x$height" --premult --create "$3x$height" 3 \
+  oiiotool --nosoftwareattrib --no-autopremult "$1" --ch R,G,B,A --resize "$3x$height" --premult --create "$3x$height" 3 \
     --fill:color=1,1,1 "$3x$height" --ch R,G,B,A=1 --over --ch R,G,B -d uint8 --eraseattrib '.*' \
     --attrib DateTime '2000:01:01 00:00:00' -o "$2"
 }
 
 on_paper "$demo/oil.png" "$out/oil.png" 450
 on_paper "$demo/oil.chunks.png" "$out/chunks.png" 450
-oiiotool "$demo/frame.exr" --ch normal.X,normal.Y,normal.Z,A --mulc 0.5,0.5,0.5,1 --addc 0.5,0.5,0.5,0 \
+oiiotool --nosoftwareattrib "$demo/frame.exr" --ch normal.X,normal.Y,normal.Z,A --mulc 0.5,0.5,0.5,1 --addc 0.5,0.5,0.5,0 \
   --chnames R,G,B,A -o "$out/normals.tif"
 on_paper "$out/normals.tif" "$out/guide.png" 450
 rm "$out/normals.tif"
-oiiotool "$demo/oil.lut.exr" --ch u,v,error --chnames R,G,B --mulc 1,1,4 -d uint8 --eraseattrib '.*' \
+oiiotool --nosoftwareattrib "$demo/oil.lut.exr" --ch u,v,error --chnames R,G,B --mulc 1,1,4 -d uint8 --eraseattrib '.*' \
   --attrib DateTime '2000:01:01 00:00:00' -o "$out/lut.png"
 "$stylut" match "$demo/oil.guide.exr" "$demo/frame.exr" -o "$demo/field.exr" -q
-oiiotool "$demo/field.exr" --ch u,v,error,A --chnames R,G,B,A --mulc 1,1,4,1 -o "$out/field.tif"
+oiiotool --nosoftwareattrib "$demo/field.exr" --ch u,v,error,A --chnames R,G,B,A --mulc 1,1,4,1 -o "$out/field.tif"
 on_paper "$out/field.tif" "$out/match.png" 450
 rm "$out/field.tif"
-oiiotool "$demo/contact.png" --resize 50% -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/contact.png"
+oiiotool --nosoftwareattrib "$demo/contact.png" --resize 50% -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/contact.png"
 
 # What blending does, as a heat map: the borders between the pieces.
 printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s", "params": {"radius": 0}}]}' \
@@ -34,35 +34,35 @@ printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s
 "$stylut" pack "$demo/sharp.json" -o "$demo/sharp" -q
 "$stylut" stylize "$demo/sharp" --guide "$demo/frame.exr" -o "$demo/sharp.png" -q
 "$stylut" compare "$demo/oil.png" "$demo/sharp.png" --failpercent 100 -o "$demo/heat.png" -q
-oiiotool "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"
+oiiotool --nosoftwareattrib "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"
 
 # A lit room by the ways that its light came.
 "$stylut" guide scene "$(dirname "$0")/box/box.json" -s 180 -c paths --spp 512 -q -o "$demo/box.exr"
 for name in full LDE LSE LD12E LIE; do
-  oiiotool "$demo/box.exr" --ch "$name.R,$name.G,$name.B" --chnames R,G,B --colorconvert linear sRGB -d uint8 -o "$demo/box.$name.png"
+  oiiotool --nosoftwareattrib "$demo/box.exr" --ch "$name.R,$name.G,$name.B" --chnames R,G,B --colorconvert linear sRGB -d uint8 -o "$demo/box.$name.png"
 done
-oiiotool "$demo"/box.{full,LDE,LSE,LD12E,LIE}.png --mosaic 5x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/paths.png"
+oiiotool --nosoftwareattrib "$demo"/box.{full,LDE,LSE,LD12E,LIE}.png --mosaic 5x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/paths.png"
 
 # What a painter would go by, 8x8 pixels at a time: colour, detail (dark), and lines by twice their angle.
 "$stylut" guide strokes "$demo/oil.png" --level 3 --space srgb -c all -q -o "$demo/strokes.exr"
-oiiotool "$demo/strokes.exr" --ch color.R,color.G,color.B,A --chnames R,G,B,A -o "$demo/strokes.1.tif" \
+oiiotool --nosoftwareattrib "$demo/strokes.exr" --ch color.R,color.G,color.B,A --chnames R,G,B,A -o "$demo/strokes.1.tif" \
   "$demo/strokes.exr" --ch detail.Y,detail.Y,detail.Y,A --mulc -5,-5,-5,1 --addc 1,1,1,0 --chnames R,G,B,A -o "$demo/strokes.2.tif" \
   "$demo/strokes.exr" --ch line.X,line.Y,B=0.5,A --mulc 0.5,0.5,1,1 --addc 0.5,0.5,0,0 --chnames R,G,B,A -o "$demo/strokes.3.tif"
 for k in 1 2 3; do on_paper "$demo/strokes.$k.tif" "$demo/strokes.$k.png" 300; done
-oiiotool "$demo"/strokes.[123].png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/strokes.png"
+oiiotool --nosoftwareattrib "$demo"/strokes.[123].png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/strokes.png"
 
 # The creature bent by pairs of points: as it is, and by each kind.
 # A pixel's texture coordinate is that of its centre and what the field adds; the rim mixes with what is beyond it.
 bend() { # KIND
   local field=$demo/warp.$1.exr
   "$stylut" guide warp "$(dirname "$0")/warp.json" -s 450x512 --kind "$1" -q -o "$field"
-  oiiotool "$out/oil.png" --ch R,G,B "$field" --ch motion.U,motion.V --mulc 0.002222222,0.001953125 \
+  oiiotool --nosoftwareattrib "$out/oil.png" --ch R,G,B "$field" --ch motion.U,motion.V --mulc 0.002222222,0.001953125 \
     --pattern fill:topleft=0.001111111,0.000976563:topright=0.998888889,0.000976563:bottomleft=0.001111111,0.999023438:bottomright=0.998888889,0.999023438 \
     450x512 2 --add --st_warp "$field" --ch A,A,A --erode 3x3 --mul "$field" --ch A,A,A --erode 3x3 --mulc -1 --addc 1 --add --resize 300x341 -d uint8 \
     -o "$demo/warp.$1.png"
 }
 for kind in affine similarity rigid; do bend $kind; done
-oiiotool "$demo"/warp.{affine,similarity,rigid}.png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/warp.png"
+oiiotool --nosoftwareattrib "$demo"/warp.{affine,similarity,rigid}.png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/warp.png"
 
 # The report on the creature as its own exemplar, as a browser shows it: few
 # texels and six bits a colour keep the picture small.
@@ -72,7 +72,7 @@ here=$(dirname "$0")
 "$stylut" report "$demo/creature.lut.exr" --guide "$demo/creature.png" -q -o "$demo/creature.html"
 node "$here/../tests/cli/browse.mjs" "$demo/creature.html#map=spread&overlay=alike&texel=32,24" --size 1240x1460 \
   --shot "$out/page.png" >/dev/null
-oiiotool "$out/page.png" --ch R,G,B --mulc 0.2471 -d uint8 -o "$out/page.tif"
-oiiotool "$out/page.tif" --mulc 4.0476 --clamp:max=1 -d uint8 --compression zip:9 --eraseattrib '.*' \
+oiiotool --nosoftwareattrib "$out/page.png" --ch R,G,B --mulc 0.2471 -d uint8 -o "$out/page.tif"
+oiiotool --nosoftwareattrib "$out/page.tif" --mulc 4.0476 --clamp:max=1 -d uint8 --compression zip:9 --eraseattrib '.*' \
   --attrib DateTime '2000:01:01 00:00:00' -o "$out/report.png"
 rm "$out/page.png" "$out/page.tif"
