@@ -94,17 +94,12 @@ static StyStatus set_option(Arguments *arguments, int key, const char *text) {
 
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
-  StyImageFormat format = STY_IMAGE_EXR;
   StyStatus status = require_argument(options, arguments->picture, "a picture");
   if (!status && arguments->level_given && arguments->levels_given)
     status = sty_fail(&options->error, STY_ERROR_USAGE, "--level: found with --levels, expected one of them");
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, &arguments->picture, 1);
-  if (!status) status = sty_get_image_format(options->output, &format, &options->error);
-  if (!status && format != STY_IMAGE_EXR)
-    status = sty_fail(&options->error, STY_ERROR_USAGE,
-                      "option '--output': found %s, expected a name that ends in .exr", options->output);
-  return status;
+  return status ? status : require_exr(options);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {

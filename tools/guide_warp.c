@@ -27,18 +27,13 @@ static const struct argp_option options_table[] = {
 
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
-  StyImageFormat format = STY_IMAGE_EXR;
   StyStatus status = require_argument(options, arguments->file, "a file of point pairs");
   if (!status && (long long)arguments->width * arguments->height > STY_MAX_PIXELS)
     status = sty_fail(&options->error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels",
                       arguments->width, arguments->height, STY_MAX_PIXELS);
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, &arguments->file, 1);
-  if (!status) status = sty_get_image_format(options->output, &format, &options->error);
-  if (!status && format != STY_IMAGE_EXR)
-    status = sty_fail(&options->error, STY_ERROR_USAGE,
-                      "option '--output': found %s, expected a name that ends in .exr", options->output);
-  return status;
+  return status ? status : require_exr(options);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {

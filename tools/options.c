@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "stylut/file.h"
+#include "stylut/image_io.h"
 #include "stylut/parse.h"
 
 enum {
@@ -318,6 +319,14 @@ StyStatus require_output(Options *options) {
   if (!options->output)
     return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found none, expected -o FILE");
   return *options->output ? require_folder(options, options->output) : STY_OK;
+}
+
+StyStatus require_exr(Options *options) {
+  StyImageFormat format = STY_IMAGE_EXR;
+  const StyStatus status = sty_get_image_format(options->output, &format, &options->error);
+  if (status || format == STY_IMAGE_EXR) return status;
+  return sty_fail(&options->error, STY_ERROR_USAGE, "option '--output': found %s, expected a name that ends in .exr",
+                  options->output);
 }
 
 StyStatus protect_inputs(Options *options, const char *output, const char *const *inputs, int count) {

@@ -68,6 +68,9 @@ StyStatus require_folder(Options *options, const char *path);
 /* For commands that write: -o must be given, and name a place in a folder that is there. */
 StyStatus require_output(Options *options);
 
+/* For outputs that only EXR can hold. */
+StyStatus require_exr(Options *options);
+
 /* The engine that was asked for, else the fastest exact one (see
  * sty_get_fastest_engine); options that it doesn't heed are an error. */
 StyStatus choose_engine(Options *options, StyTask task, int dims, const StyEngine **out);

@@ -345,8 +345,7 @@ static void hit_triangles(const StyTracer *tracer, const StyRays *rays, const st
     if (is_triangle[i]) store_triangle(&tracer->placed[hits[i].thing], &lanes, i, parts, &hits[i]);
 }
 
-/* Longitude and latitude about the Y axis: u = 1/2 in front, v = 1 at the top. */
-static void get_sphere_uv(const double out[3], double radius, double uv[2]) {
+void sty_get_sphere_uv(const double out[3], double radius, double uv[2]) {
   uv[0] = 0.5 + atan2(out[0], out[2]) / (2 * M_PI);
   uv[1] = 0.5 + asin(clamp(out[1] / radius, -1, 1)) / M_PI;
 }
@@ -366,7 +365,7 @@ static void hit_sphere(const Ball *ball, const StyRay *ray, StyHit *hit) {
     hit->at[k] = ball->centre[k] + out;
     hit->facet[k] = out;
   }
-  get_sphere_uv(hit->facet, ball->radius, hit->uv);
+  sty_get_sphere_uv(hit->facet, ball->radius, hit->uv);
   hit->curvature = 1 / ball->radius;
   if (dot_vectors(hit->facet, ray->direction) > 0) {
     for (int k = 0; k < 3; k++) hit->facet[k] = -hit->facet[k];

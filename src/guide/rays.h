@@ -79,6 +79,10 @@ void sty_leave_hit(const StyHit *hit, const double to[3], StyRay *out);
 void sty_trace_shadows(const StyTracer *tracer, const StyHit hits[STY_RAYS], double to[STY_RAYS][3],
                        const double distances[STY_RAYS], int *asks);
 
+/* Texture coordinates of a sphere's point, `out` from its centre: longitude and latitude about the Y axis, u = 1/2 in
+ * front, v = 1 at the top. */
+void sty_get_sphere_uv(const double out[3], double radius, double uv[2]);
+
 /* The point of `other`, in its trace space, that lies on the same place of the same thing as this hit of `scene`; the
  * two must be alike (sty_check_alike). */
 void sty_follow_hit(const StyScene *scene, const StyHit *hit, const StyScene *other, double at[3]);

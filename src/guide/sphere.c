@@ -2,8 +2,9 @@
 
 #include "guide/channels.h"
 #include "guide/contour.h"
+#include "guide/rays.h"
 
-static void fill_sphere(const StyGuide *guide) {
+static void fill_sphere(const StyGuide *guide, unsigned groups) {
   const int width = guide->image->width, height = guide->image->height;
   for (int j = 0; j < height; j++) {
     const double y = 1 - (j + 0.5) / height * 2;
@@ -12,16 +13,16 @@ static void fill_sphere(const StyGuide *guide) {
       const double rest = 1 - x * x - y * y;
       if (rest < 0) continue;
       const double z = sqrt(rest);
-      const StySample sample = {.normal = {x, y, z},
-                                .depth = 1 - z,
-                                .position = {x, y, z},
-                                .object = 1,
-                                .style = 1,
-                                .albedo = {1, 1, 1},
-                                .luma = 1,
-                                .uv = {0.5 + atan2(x, z) / (2 * M_PI), 0.5 + asin(y) / M_PI},
-                                .curvature = 1,
-                                .paths = {.full = {1, 1, 1}, .lde = {1, 1, 1}, .ld12e = {1, 1, 1}}};
+      StySample sample = {.normal = {x, y, z},
+                          .depth = 1 - z,
+                          .position = {x, y, z},
+                          .object = 1,
+                          .style = 1,
+                          .albedo = {1, 1, 1},
+                          .luma = 1,
+                          .curvature = 1,
+                          .paths = {.full = {1, 1, 1}, .lde = {1, 1, 1}, .ld12e = {1, 1, 1}}};
+      if (groups & STY_GUIDE_UV) sty_get_sphere_uv(sample.normal, 1, sample.uv);
       sty_set_sample(guide, (size_t)j * (size_t)width + (size_t)i, &sample);
     }
   }
@@ -34,7 +35,7 @@ StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage
   const unsigned contour = groups & STY_GUIDE_CONTOUR;
   StyStatus status = sty_create_guide(width, height, contour ? groups | STY_CONTOUR_SOURCES : groups, &guide, error);
   if (status) return status;
-  fill_sphere(&guide);
+  fill_sphere(&guide, groups);
   const StyFootprint footprint = {2.0 / height, 0};
   if (contour) status = sty_draw_contours(&guide, &sty_default_contour, &footprint, NULL, error);
   if (!status) status = sty_select_channels(&guide.image, 0, height, groups, error);

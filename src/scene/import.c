@@ -7,7 +7,6 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/version.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,9 +49,6 @@ typedef struct Import {
   bool keep_normals;
   bool has_uvs; /* some part has */
 } Import;
-
-/* Assimp's log and its last error belong to the process. */
-static pthread_mutex_t importer_lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* ---- reading ---- */
 
@@ -200,10 +196,7 @@ static StyStatus read_file(Import *import, StyError *error) {
   if (status == STY_OK && strcasecmp(find_extension(import->path), "ply") == 0)
     status = sty_check_ply(import->path, error);
   if (status != STY_OK) return status;
-  pthread_mutex_lock(&importer_lock);
-  status = load_file(import, error);
-  pthread_mutex_unlock(&importer_lock);
-  return status;
+  return load_file(import, error);
 }
 
 /* ---- the node tree ---- */
