@@ -62,21 +62,17 @@ static void report_share(void *context, double done) {
 static StyStatus open_band(const StyBands *bands, int rows, StyImage **spare, StyGuide *out, StyError *error) {
   if (!*spare || (*spare)->height != rows) return sty_create_guide(bands->width, rows, bands->groups, out, error);
   *out = sty_view_guide(*spare, bands->groups);
-  sty_clear_guide(out);
   *spare = NULL;
   return STY_OK;
 }
 
 static StyStatus make_band(const StyBands *bands, int first, int rows, const StyRun *run, StyImage **spare,
                            StyImage **out, StyError *error) {
-  const int top = first > bands->apron ? first - bands->apron : 0;
-  const int end = bands->height - first - rows > bands->apron ? first + rows + bands->apron : bands->height;
   Share share = {run, (double)first / bands->height, (double)rows / bands->height};
   const StyRun own = {sty_get_threads(run), run && run->progress ? report_share : NULL, &share};
   StyGuide band = {0};
-  StyStatus status = open_band(bands, end - top, spare, &band, error);
-  if (!status) status = bands->fill(bands->context, top, &band, &own, error);
-  if (!status) status = sty_select_channels(&band.image, first - top, rows, bands->wanted, error);
+  StyStatus status = open_band(bands, rows, spare, &band, error);
+  if (!status) status = bands->fill(bands->context, first, &band, &own, error);
   if (status)
     sty_destroy_image(&band.image);
   else

@@ -6,11 +6,9 @@
 
 typedef struct StyBands {
   int width, height;
-  int apron;       /* rows that a band needs above and below to be right */
-  unsigned groups; /* channels that a band has */
-  unsigned wanted; /* those that are handed on */
-  /* Fills the band, in which nothing is hit yet and whose first row is row `first` of the picture: a multiple of 32,
-   * less the apron. */
+  unsigned groups; /* channels */
+  /* Fills every pixel of the band, whose first row is row `first` of the picture: a multiple of 32. No band is higher
+   * than the first. */
   StyStatus (*fill)(void *context, int first, const StyGuide *band, const StyRun *run, StyError *error);
   void *context;
 } StyBands;

@@ -5,22 +5,22 @@
 #include <string.h>
 
 const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT] = {
-    {STY_GUIDE_NORMAL, "normal", 3, {"normal.X", "normal.Y", "normal.Z"}, 0, offsetof(StySample, normal)},
-    {STY_GUIDE_DEPTH, "depth", 1, {"depth.Z"}, INFINITY, offsetof(StySample, depth)},
-    {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, offsetof(StySample, position)},
-    {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, offsetof(StySample, object)},
-    {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, offsetof(StySample, style)},
-    {STY_GUIDE_UV, "uv", 2, {"uv.U", "uv.V"}, 0, offsetof(StySample, uv)},
-    {STY_GUIDE_ALBEDO, "albedo", 3, {"albedo.R", "albedo.G", "albedo.B"}, 0, offsetof(StySample, albedo)},
-    {STY_GUIDE_LUMA, "luma", 1, {"luma.Y"}, 0, offsetof(StySample, luma)},
-    {STY_GUIDE_CURVATURE, "curvature", 1, {"curvature.Y"}, 0, offsetof(StySample, curvature)},
-    {STY_GUIDE_CONTOUR, "contour", 1, {"contour.Y"}, 0, offsetof(StySample, contour)},
-    {STY_GUIDE_MOTION, "motion", 2, {"motion.U", "motion.V"}, 0, offsetof(StySample, motion)},
-    {STY_GUIDE_FULL, "full", 3, {"full.R", "full.G", "full.B"}, 0, offsetof(StySample, paths.full)},
-    {STY_GUIDE_LDE, "LDE", 3, {"LDE.R", "LDE.G", "LDE.B"}, 0, offsetof(StySample, paths.lde)},
-    {STY_GUIDE_LSE, "LSE", 3, {"LSE.R", "LSE.G", "LSE.B"}, 0, offsetof(StySample, paths.lse)},
-    {STY_GUIDE_LD12E, "LD12E", 3, {"LD12E.R", "LD12E.G", "LD12E.B"}, 0, offsetof(StySample, paths.ld12e)},
-    {STY_GUIDE_LIE, "LIE", 3, {"LIE.R", "LIE.G", "LIE.B"}, 0, offsetof(StySample, paths.lie)},
+    {STY_GUIDE_NORMAL, "normal", 3, {"normal.X", "normal.Y", "normal.Z"}, 0, offsetof(StySamples, normal)},
+    {STY_GUIDE_DEPTH, "depth", 1, {"depth.Z"}, INFINITY, offsetof(StySamples, depth)},
+    {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, offsetof(StySamples, position)},
+    {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, offsetof(StySamples, object)},
+    {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, offsetof(StySamples, style)},
+    {STY_GUIDE_UV, "uv", 2, {"uv.U", "uv.V"}, 0, offsetof(StySamples, uv)},
+    {STY_GUIDE_ALBEDO, "albedo", 3, {"albedo.R", "albedo.G", "albedo.B"}, 0, offsetof(StySamples, albedo)},
+    {STY_GUIDE_LUMA, "luma", 1, {"luma.Y"}, 0, offsetof(StySamples, luma)},
+    {STY_GUIDE_CURVATURE, "curvature", 1, {"curvature.Y"}, 0, offsetof(StySamples, curvature)},
+    {STY_GUIDE_CONTOUR, "contour", 1, {"contour.Y"}, 0, 0},
+    {STY_GUIDE_MOTION, "motion", 2, {"motion.U", "motion.V"}, 0, offsetof(StySamples, motion)},
+    {STY_GUIDE_FULL, "full", 3, {"full.R", "full.G", "full.B"}, 0, offsetof(StySamples, paths.full)},
+    {STY_GUIDE_LDE, "LDE", 3, {"LDE.R", "LDE.G", "LDE.B"}, 0, offsetof(StySamples, paths.lde)},
+    {STY_GUIDE_LSE, "LSE", 3, {"LSE.R", "LSE.G", "LSE.B"}, 0, offsetof(StySamples, paths.lse)},
+    {STY_GUIDE_LD12E, "LD12E", 3, {"LD12E.R", "LD12E.G", "LD12E.B"}, 0, offsetof(StySamples, paths.ld12e)},
+    {STY_GUIDE_LIE, "LIE", 3, {"LIE.R", "LIE.G", "LIE.B"}, 0, offsetof(StySamples, paths.lie)},
 };
 
 static unsigned get_all_groups(void) {
@@ -65,22 +65,18 @@ StyStatus sty_parse_channels(const char *what, const char *text, unsigned *group
   return STY_OK;
 }
 
-/* A new image is all zero, which is what most channels say of a miss. */
-static void set_misses(const StyGuide *guide) {
-  const size_t count = sty_count_pixels(guide->image);
-  for (int g = 0; g < guide->group_count; g++)
-    for (int c = 0; guide->groups[g].info->miss != 0 && c < guide->groups[g].info->count; c++)
-      for (size_t i = 0; i < count; i++) guide->groups[g].planes[c][i] = guide->groups[g].info->miss;
+static void add_plane(StyGuide *guide, const char *channel, float miss, size_t field) {
+  guide->planes[guide->plane_count++] = (StyGuidePlane){sty_find_channel(guide->image, channel), miss, field};
 }
 
 StyGuide sty_view_guide(StyImage *image, unsigned groups) {
-  StyGuide guide = {.image = image, .coverage = sty_find_channel(image, "A")};
+  StyGuide guide = {.image = image};
+  add_plane(&guide, "A", 0, offsetof(StySamples, coverage));
   for (int g = 0; g < STY_GROUP_COUNT; g++) {
     const StyChannelGroupInfo *info = &STY_CHANNEL_GROUPS[g];
-    if (!(groups & info->group)) continue;
-    struct StyGuidePlanes *group = &guide.groups[guide.group_count++];
-    group->info = info;
-    for (int c = 0; c < info->count; c++) group->planes[c] = sty_find_channel(image, info->channels[c]);
+    if (!(groups & ~(unsigned)STY_GUIDE_CONTOUR & info->group)) continue;
+    for (int c = 0; c < info->count; c++)
+      add_plane(&guide, info->channels[c], info->miss, info->field + (size_t)c * sizeof(StyLane));
   }
   return guide;
 }
@@ -95,39 +91,17 @@ StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out
       names[count++] = STY_CHANNEL_GROUPS[g].channels[c];
   StyImage *image = NULL;
   const StyStatus status = sty_create_image(width, height, count, names, 32, &image, error);
-  if (status != STY_OK) return status;
-  *out = sty_view_guide(image, groups);
-  set_misses(out);
-  return STY_OK;
+  if (status == STY_OK) *out = sty_view_guide(image, groups);
+  return status;
 }
 
-void sty_clear_guide(const StyGuide *guide) {
-  memset(guide->image->data, 0, (size_t)guide->image->channel_count * sty_count_pixels(guide->image) * sizeof(float));
-  set_misses(guide);
-}
-
-StyStatus sty_select_channels(StyImage **image, int first, int rows, unsigned groups, StyError *error) {
-  StyGuide guide;
-  int channels = 1;
-  for (int g = 0; g < STY_GROUP_COUNT; g++)
-    if (groups & STY_CHANNEL_GROUPS[g].group) channels += STY_CHANNEL_GROUPS[g].count;
-  if (rows == (*image)->height && channels == (*image)->channel_count) return STY_OK;
-  const StyStatus status = sty_create_guide((*image)->width, rows, groups, &guide, error);
-  if (status) return status;
-  const size_t count = sty_count_pixels(guide.image), start = (size_t)first * (size_t)guide.image->width;
-  for (int c = 0; c < guide.image->channel_count; c++)
-    memcpy(guide.image->data + (size_t)c * count, sty_find_channel(*image, guide.image->names[c]) + start,
-           count * sizeof(float));
-  sty_destroy_image(image);
-  *image = guide.image;
-  return STY_OK;
-}
-
-void sty_set_sample(const StyGuide *guide, size_t pixel, const StySample *sample) {
-  guide->coverage[pixel] = 1;
-  for (int g = 0; g < guide->group_count; g++) {
-    const StyChannelGroupInfo *info = guide->groups[g].info;
-    const double *values = (const double *)(const void *)((const char *)sample + info->field);
-    for (int c = 0; c < info->count; c++) guide->groups[g].planes[c][pixel] = (float)values[c];
-  }
+void sty_clear_pixels(const StyGuide *guide, int x, int y, int width, int height) {
+  const StyImage *image = guide->image;
+  const int right = x + width < image->width ? x + width : image->width;
+  const int top = y > 0 ? y : 0, bottom = y + height < image->height ? y + height : image->height;
+  for (int p = 0; p < guide->plane_count; p++)
+    for (int row = top; row < bottom; row++) {
+      float *values = guide->planes[p].values + (size_t)row * (size_t)image->width;
+      for (int column = x; column < right; column++) values[column] = guide->planes[p].miss;
+    }
 }

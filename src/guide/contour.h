@@ -4,7 +4,7 @@
 #include "guide/channels.h"
 #include "stylut/parallel.h"
 
-/* The channels that outlines are made from. */
+/* The channels that outlines are made from, beside coverage. */
 enum { STY_CONTOUR_SOURCES = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH };
 
 /* How wide a pixel is at a depth z: constant + slope * z, scene units. */
@@ -12,9 +12,17 @@ typedef struct StyFootprint {
   double constant, slope;
 } StyFootprint;
 
-/* Fills the contour channel of a guide that has normal and depth, see StyContourWeights. Neighbours beyond the image
- * are taken to be like the pixel itself. */
-StyStatus sty_draw_contours(const StyGuide *guide, const StyContourWeights *weights, const StyFootprint *footprint,
-                            const StyRun *run, StyError *error);
+/* Rows of a picture that have outlines, and what these are made from. */
+typedef struct StyContours {
+  const StyImage *sources; /* with coverage, normal and depth */
+  StyImage *drawn;         /* as wide; its contour channel is filled */
+  int first;               /* row of the sources where the first of `drawn` is */
+  bool is_top, is_bottom;  /* those drawn begin, or end, with the picture's own border; else the sources reach beyond */
+  const StyContourWeights *weights;
+  StyFootprint footprint;
+} StyContours;
+
+/* See StyContourWeights. Neighbours beyond the picture are taken to be like the pixel itself. */
+StyStatus sty_draw_contours(const StyContours *contours, const StyRun *run, StyError *error);
 
 #endif

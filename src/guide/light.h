@@ -7,30 +7,21 @@
 /* What a block of rays sees; pixels with valid[i] = 0 see nothing. */
 typedef struct StyBlock {
   StyRays rays;
-  StyHit hits[STY_RAYS];
-  double albedo[STY_RAYS][3]; /* scene-linear */
-  double luma[STY_RAYS];      /* scene-linear */
+  StyHits hits;
+  StyLane albedo[3]; /* scene-linear */
   _Alignas(32) int valid[STY_RAYS];
 } StyBlock;
 
-/* From a hit to the light: a unit vector, and the distance in trace units; false where they are in one place. */
-bool sty_aim_at_light(const StyScene *scene, const StyLight *light, const StyHit *hit, double to[3], double *distance);
-
 /* What surfaces send back of the lights that they see, scene-linear. */
 typedef struct StyShine {
-  double diffuse[3], highlight[3];
+  StyLane diffuse[3], highlight[3];
 } StyShine;
-
-/* What of the light's colour reaches a surface that faces it, `distance` trace units away. */
-double sty_get_intensity(const StyScene *scene, const StyLight *light, double distance);
 
 /* What the scene's lights, ambient apart, do at the hits, seen back along the rays; 0 where valid[i] is. Thread-safe.
  */
-void sty_shine_on_block(const StyScene *scene, const StyTracer *tracer, const StyBlock *block,
-                        StyShine shine[STY_RAYS]);
+void sty_shine_on_block(const StyScene *scene, const StyTracer *tracer, const StyBlock *block, StyShine *shine);
 
-/* Fills block->luma from hits and albedo: ambient light, wherever it comes from, and what the others do. Thread-safe.
- */
-void sty_light_block(const StyScene *scene, const StyTracer *tracer, StyBlock *block);
+/* Luminance of the surfaces: ambient light, wherever it comes from, and what the others do. Thread-safe. */
+void sty_light_block(const StyScene *scene, const StyTracer *tracer, const StyBlock *block, StyLane luma);
 
 #endif

@@ -1,7 +1,6 @@
 #include "guide/paint.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "bridge/texture.h"
 
@@ -60,11 +59,12 @@ void sty_close_palette(StyPalette **palette) {
   *palette = NULL;
 }
 
-void sty_get_albedo(const StyPalette *palette, const StyHit *hit, double out[3]) {
-  const StyPaint *paint = hit->paint;
-  memcpy(out, paint->colour, 3 * sizeof *out);
+void sty_get_albedo(const StyPalette *palette, const StyHits *hits, int i, StyLane out[3]) {
+  const StyPaint *paint = hits->paint[i];
+  for (int k = 0; k < 3; k++) out[k][i] = paint->colour[k];
   if (paint->texture < 0) return;
+  const double uv[2] = {hits->uv[0][i], hits->uv[1][i]};
   float texel[3];
-  sty_sample_texture_map(palette->textures[paint->texture], hit->uv, palette->nearest, texel);
-  for (int k = 0; k < 3; k++) out[k] *= (double)texel[k];
+  sty_sample_texture_map(palette->textures[paint->texture], uv, palette->nearest, texel);
+  for (int k = 0; k < 3; k++) out[k][i] *= (double)texel[k];
 }

@@ -11,7 +11,7 @@ typedef struct StyPalette StyPalette;
 StyStatus sty_open_palette(const StyScene *scene, bool nearest, StyPalette **out, StyError *error);
 void sty_close_palette(StyPalette **palette);
 
-/* Scene-linear diffuse reflectance at a hit whose uv is known. Thread-safe. */
-void sty_get_albedo(const StyPalette *palette, const StyHit *hit, double out[3]);
+/* Scene-linear diffuse reflectance at hit i, whose uv and owner are known. Thread-safe. */
+void sty_get_albedo(const StyPalette *palette, const StyHits *hits, int i, StyLane out[3]);
 
 #endif

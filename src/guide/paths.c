@@ -13,6 +13,11 @@ enum { FIRST_ROULETTE = 4 };
 
 /* ---- one way, from the eye ---- */
 
+/* Light by the ways it came, as StyPathSamples has it of a block. */
+typedef struct PathLight {
+  double full[3], lde[3], lse[3], ld12e[3], lie[3];
+} PathLight;
+
 /* Lanes of a block walk side by side, each the ways of its own pixel one after the other. */
 typedef struct Walk {
   uint64_t key;       /* of the pixel */
@@ -20,7 +25,7 @@ typedef struct Walk {
   int surface;        /* how many there are from the eye to here */
   double weight[3];   /* of what comes from here, at the eye */
   bool is_diffuse[2]; /* what the first two surfaces from the eye do */
-  StyPathLight sum;
+  PathLight sum;
 } Walk;
 
 static void add_weighted(const Walk *walk, const double light[3], double sum[3]) {
@@ -60,8 +65,25 @@ static void tilt_normal(const double normal[3], double cosine, double turn, doub
   for (int k = 0; k < 3; k++) out[k] = across * (cosine_of * x[k] + sine_of * y[k]) + cosine * normal[k];
 }
 
+/* What a way goes on from. */
+typedef struct Hit {
+  const StyHits *hits;
+  int lane;
+  double shading[3], facet[3]; /* its normals */
+  double albedo[3];
+  const StyMaterial *material;
+} Hit;
+
+static Hit get_hit(const StyBlock *block, int i) {
+  Hit hit = {.hits = &block->hits, .lane = i, .material = block->hits.material[i]};
+  sty_get_lane(block->hits.shading, i, hit.shading);
+  sty_get_lane(block->hits.facet, i, hit.facet);
+  sty_get_lane(block->albedo, i, hit.albedo);
+  return hit;
+}
+
 /* Back along the ray, mirrored by a facet that stands as the lobe's do. */
-static void mirror_ray(const StyRay *ray, const StyHit *hit, const double random[2], double out[3]) {
+static void mirror_ray(const StyRay *ray, const Hit *hit, const double random[2], double out[3]) {
   double facet[3];
   tilt_normal(hit->shading, pow(1 - random[0], 1 / (hit->material->shininess + 1)), random[1], facet);
   const double along = 2 * dot_vectors(ray->direction, facet);
@@ -69,15 +91,14 @@ static void mirror_ray(const StyRay *ray, const StyHit *hit, const double random
 }
 
 /* On the visible side of the surface. */
-static void turn_up(const StyHit *hit, double direction[3]) {
+static void turn_up(const Hit *hit, double direction[3]) {
   double facet[3] = {hit->facet[0], hit->facet[1], hit->facet[2]};
   if (!normalize_vector(facet)) return;
   const double below = 2 * fmin(0, dot_vectors(facet, direction));
   for (int k = 0; k < 3; k++) direction[k] -= below * facet[k];
 }
 
-static void pick_direction(const StyRay *ray, const StyHit *hit, bool is_diffuse, const double random[2],
-                           double out[3]) {
+static void pick_direction(const StyRay *ray, const Hit *hit, bool is_diffuse, const double random[2], double out[3]) {
   if (is_diffuse)
     tilt_normal(hit->shading, sqrt(1 - random[0]), random[1], out);
   else
@@ -89,12 +110,12 @@ static void pick_direction(const StyRay *ray, const StyHit *hit, bool is_diffuse
 static double get_most(const double colour[3]) { return fmax(colour[0], fmax(colour[1], colour[2])); }
 
 /* Which lobe the way goes on by, by what it mirrors; the weight takes on the lobe's colour. False: all is swallowed. */
-static bool pick_lobe(Walk *walk, const StyHit *hit, const double albedo[3], double random, bool *is_diffuse) {
-  const double most = get_most(albedo), specular = hit->material->specular;
+static bool pick_lobe(Walk *walk, const Hit *hit, double random, bool *is_diffuse) {
+  const double most = get_most(hit->albedo), specular = hit->material->specular;
   const double scale = most + specular > 1 ? (1 - specular) / most : 1, share = scale * most, all = share + specular;
   if (!(all > 0)) return false;
   *is_diffuse = random * all < share;
-  for (int k = 0; k < 3; k++) walk->weight[k] *= *is_diffuse ? albedo[k] / most * all : all;
+  for (int k = 0; k < 3; k++) walk->weight[k] *= *is_diffuse ? hit->albedo[k] / most * all : all;
   note_lobe(walk, *is_diffuse);
   return true;
 }
@@ -108,17 +129,17 @@ static bool survive(Walk *walk, double random) {
 }
 
 /* The ray on which a way goes on from a hit of `ray`, which it may replace; false: it ends here. */
-static bool bounce(Walk *walk, const StyRay *ray, const StyHit *hit, const double albedo[3], StyRay *out) {
+static bool bounce(Walk *walk, const StyRay *ray, const Hit *hit, StyRay *out) {
   double choices[2], places[2], back[3];
   StyRay unit = *ray;
   bool is_diffuse;
   const uint64_t dimension = walk->key + 2 * (uint64_t)walk->surface;
   sty_draw_pair(sty_mix_bits(dimension), walk->sample, choices);
   sty_draw_pair(sty_mix_bits(dimension + 1), walk->sample, places);
-  if (!pick_lobe(walk, hit, albedo, choices[0], &is_diffuse) || !survive(walk, choices[1])) return false;
+  if (!pick_lobe(walk, hit, choices[0], &is_diffuse) || !survive(walk, choices[1])) return false;
   if (!normalize_vector(unit.direction) || !(dot_vectors(hit->shading, hit->shading) > 0.5)) return false;
   pick_direction(&unit, hit, is_diffuse, places, back);
-  sty_leave_hit(hit, back, out);
+  sty_leave_hit(hit->hits, hit->lane, back, out);
   return true;
 }
 
@@ -140,14 +161,17 @@ static int count_surfaces(unsigned groups) {
 
 /* Lights at the surfaces where the ways are. */
 static void gather_lights(Crowd *crowd) {
-  StyShine shine[STY_RAYS];
-  sty_shine_on_block(crowd->world->scene, crowd->world->tracer, &crowd->block, shine);
+  StyShine shine;
+  sty_shine_on_block(crowd->world->scene, crowd->world->tracer, &crowd->block, &shine);
   for (int i = 0; i < STY_RAYS; i++) {
     if (!crowd->block.valid[i]) continue;
+    double light[3];
+    sty_get_lane(shine.diffuse, i, light);
     note_lobe(&crowd->walks[i], true);
-    gather(&crowd->walks[i], shine[i].diffuse);
+    gather(&crowd->walks[i], light);
+    sty_get_lane(shine.highlight, i, light);
     note_lobe(&crowd->walks[i], false);
-    gather(&crowd->walks[i], shine[i].highlight);
+    gather(&crowd->walks[i], light);
   }
 }
 
@@ -158,8 +182,8 @@ static void restart(Crowd *crowd, int i) {
   for (int k = 0; k < 3; k++) walk->weight[k] = 1;
   const StyRay ray = sty_get_ray(&crowd->start->rays, i);
   sty_set_ray(&crowd->block.rays, i, &ray);
-  crowd->block.hits[i] = crowd->start->hits[i];
-  memcpy(crowd->block.albedo[i], crowd->start->albedo[i], sizeof crowd->block.albedo[i]);
+  sty_copy_hit(&crowd->start->hits, i, &crowd->block.hits);
+  for (int k = 0; k < 3; k++) crowd->block.albedo[k][i] = crowd->start->albedo[k][i];
 }
 
 /* Sends lane i on, from where it is or, where its way has ended, by the next that goes on; false: it has done all. */
@@ -169,8 +193,9 @@ static bool send_on(Crowd *crowd, int i) {
   const uint32_t samples = (uint32_t)crowd->world->options.samples;
   for (; walk->sample < samples; walk->sample++, restart(crowd, i)) {
     const StyRay ray = sty_get_ray(&block->rays, i);
+    const Hit hit = get_hit(block, i);
     StyRay next;
-    if (walk->surface > crowd->most || !bounce(walk, &ray, &block->hits[i], block->albedo[i], &next)) continue;
+    if (walk->surface > crowd->most || !bounce(walk, &ray, &hit, &next)) continue;
     sty_set_ray(&block->rays, i, &next);
     return true;
   }
@@ -185,7 +210,7 @@ static void arrive(Crowd *crowd, int i, bool is_hit) {
   if (!is_hit) gather(walk, surroundings);
   walk->surface = is_hit ? walk->surface + 1 : crowd->most + 1;
   block->valid[i] = walk->surface <= crowd->most ? -1 : 0;
-  if (block->valid[i]) sty_get_albedo(crowd->world->palette, &block->hits[i], block->albedo[i]);
+  if (block->valid[i]) sty_get_albedo(crowd->world->palette, &block->hits, i, block->albedo);
 }
 
 /* One step of every lane that isn't done; false: all are. */
@@ -198,43 +223,45 @@ static bool step(Crowd *crowd) {
   }
   if (!any) return false;
   sty_trace_rays(crowd->world->tracer, &crowd->block.rays, false, crowd->world->parts, crowd->block.valid,
-                 crowd->block.hits);
+                 &crowd->block.hits);
   for (int i = 0; i < STY_RAYS; i++)
     if (sent[i]) arrive(crowd, i, crowd->block.valid[i]);
   gather_lights(crowd);
   return true;
 }
 
-static void begin(Crowd *crowd, int pixels[STY_RAYS][2]) {
+/* (x, y) is the block's first pixel. */
+static void begin(Crowd *crowd, int x, int y) {
   crowd->block = *crowd->start;
   for (int i = 0; i < STY_RAYS; i++) {
-    const uint64_t place = (uint64_t)pixels[i][1] << 32 | (uint32_t)pixels[i][0];
+    const uint64_t place = (uint64_t)(y + i / STY_BLOCK_WIDTH) << 32 | (uint32_t)(x + i % STY_BLOCK_WIDTH);
     crowd->walks[i] = (Walk){.key = sty_mix_bits(sty_mix_bits(crowd->world->options.seed + 1) + place)};
     restart(crowd, i);
   }
 }
 
 /* Adds the mean of what the ways found to what lights do at the eye's own surfaces, which is the same for each. */
-static void average(const Crowd *crowd, const StyPathLight direct[STY_RAYS], StyPathLight paths[STY_RAYS]) {
-  enum { VALUES = sizeof(StyPathLight) / sizeof(double) };
+static void average(const Crowd *crowd, const PathLight direct[STY_RAYS], StyPathSamples *paths) {
+  enum { VALUES = sizeof(PathLight) / sizeof(double) };
+  _Static_assert(sizeof(StyPathSamples) == VALUES * sizeof(StyLane), "both hold the same, in the same order");
+  StyLane lanes[VALUES];
   for (int i = 0; i < STY_RAYS; i++) {
     double sums[VALUES], values[VALUES];
     memcpy(sums, &crowd->walks[i].sum, sizeof sums);
     memcpy(values, &direct[i], sizeof values);
-    for (int v = 0; v < VALUES; v++) values[v] += sums[v] / crowd->world->options.samples;
-    memcpy(&paths[i], values, sizeof values);
+    for (int v = 0; v < VALUES; v++) lanes[v][i] = values[v] + sums[v] / crowd->world->options.samples;
   }
+  memcpy(paths, lanes, sizeof lanes);
 }
 
-void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int pixels[STY_RAYS][2],
-                     StyPathLight paths[STY_RAYS]) {
+void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int x, int y, StyPathSamples *paths) {
   Crowd crowd = {.world = world, .start = block, .most = count_surfaces(world->groups)};
-  StyPathLight direct[STY_RAYS];
-  begin(&crowd, pixels);
+  PathLight direct[STY_RAYS];
+  begin(&crowd, x, y);
   gather_lights(&crowd);
   for (int i = 0; i < STY_RAYS; i++) {
     direct[i] = crowd.walks[i].sum;
-    crowd.walks[i].sum = (StyPathLight){0};
+    crowd.walks[i].sum = (PathLight){0};
   }
   const bool is_exact = crowd.most == 1 && world->scene->ambient == 0;
   while (!is_exact && step(&crowd)) continue;

@@ -16,9 +16,8 @@ typedef struct StyPathWorld {
   StyPathOptions options;
 } StyPathWorld;
 
-/* Fills paths[i] where block->valid[i] is set, from hits and albedo; pixels[i] is where in the picture that is.
+/* Fills `paths` where block->valid is set, from hits and albedo; (x, y) is the block's first pixel in the picture.
  * Thread-safe. */
-void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int pixels[STY_RAYS][2],
-                     StyPathLight paths[STY_RAYS]);
+void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int x, int y, StyPathSamples *paths);
 
 #endif

@@ -1,44 +1,72 @@
 #include <math.h>
 
-#include "guide/channels.h"
 #include "guide/contour.h"
-#include "guide/rays.h"
+#include "guide/kernels.h"
+
+/* What is the same all over the sphere: its ids, and what surroundings of light 1 do. */
+static StySamples get_plain_samples(void) {
+  StySamples samples = {.coverage = {0}};
+  StyLane *const ones[] = {&samples.coverage, &samples.object, &samples.style, &samples.luma, &samples.curvature};
+  StyLane *const colours[] = {samples.albedo, samples.paths.full, samples.paths.lde, samples.paths.ld12e};
+  for (size_t c = 0; c < sizeof ones / sizeof *ones; c++) EACH_LANE(*ones[c])[i] = 1;
+  for (size_t c = 0; c < sizeof colours / sizeof *colours; c++)
+    for (int k = 0; k < 3; k++) EACH_LANE colours[c][k][i] = 1;
+  return samples;
+}
+
+/* The pixel's point of the sphere; false: beside it. */
+static bool find_point(const StyImage *image, int column, int row, double out[3]) {
+  out[0] = (column + 0.5) / image->width * 2 - 1;
+  out[1] = 1 - (row + 0.5) / image->height * 2;
+  const double rest = 1 - out[0] * out[0] - out[1] * out[1];
+  out[2] = sqrt(fmax(rest, 0));
+  return rest >= 0;
+}
 
 static void fill_sphere(const StyGuide *guide, unsigned groups) {
-  const int width = guide->image->width, height = guide->image->height;
-  for (int j = 0; j < height; j++) {
-    const double y = 1 - (j + 0.5) / height * 2;
-    for (int i = 0; i < width; i++) {
-      const double x = (i + 0.5) / width * 2 - 1;
-      const double rest = 1 - x * x - y * y;
-      if (rest < 0) continue;
-      const double z = sqrt(rest);
-      StySample sample = {.normal = {x, y, z},
-                          .depth = 1 - z,
-                          .position = {x, y, z},
-                          .object = 1,
-                          .style = 1,
-                          .albedo = {1, 1, 1},
-                          .luma = 1,
-                          .curvature = 1,
-                          .paths = {.full = {1, 1, 1}, .lde = {1, 1, 1}, .ld12e = {1, 1, 1}}};
-      if (groups & STY_GUIDE_UV) sty_get_sphere_uv(sample.normal, 1, sample.uv);
-      sty_set_sample(guide, (size_t)j * (size_t)width + (size_t)i, &sample);
+  const StyImage *image = guide->image;
+  const StyKernels *kernels = sty_get_kernels();
+  StySamples samples = get_plain_samples();
+  for (int y = 0; y < image->height; y += STY_BLOCK_HEIGHT)
+    for (int x = 0; x < image->width; x += STY_BLOCK_WIDTH) {
+      int valid[STY_LANES];
+      EACH_LANE {
+        double point[3], uv[2] = {0, 0};
+        valid[i] = find_point(image, x + i % STY_BLOCK_WIDTH, y + i / STY_BLOCK_WIDTH, point) ? -1 : 0;
+        if (valid[i] && groups & STY_GUIDE_UV) sty_get_sphere_uv(point, 1, uv);
+        for (int k = 0; k < 3; k++) samples.normal[k][i] = samples.position[k][i] = point[k];
+        for (int k = 0; k < 2; k++) samples.uv[k][i] = uv[k];
+        samples.depth[i] = 1 - point[2];
+      }
+      kernels->set_samples(guide, x, y, valid, &samples);
     }
-  }
+}
+
+static StyStatus draw_contours(const StyGuide *guide, StyError *error) {
+  StyGuide sources;
+  const StyImage *image = guide->image;
+  StyStatus status = sty_create_guide(image->width, image->height, STY_CONTOUR_SOURCES, &sources, error);
+  if (status) return status;
+  fill_sphere(&sources, STY_CONTOUR_SOURCES);
+  const StyContours contours = {.sources = sources.image,
+                                .drawn = guide->image,
+                                .is_top = true,
+                                .is_bottom = true,
+                                .weights = &sty_default_contour,
+                                .footprint = {2.0 / image->height, 0}};
+  status = sty_draw_contours(&contours, NULL, error);
+  sty_destroy_image(&sources.image);
+  return status;
 }
 
 StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error) {
   StyGuide guide;
   if (groups & STY_GUIDE_MOTION)
     return sty_fail(error, STY_ERROR_USAGE, "channel motion: found with a sphere that stands still, expected a scene");
-  const unsigned contour = groups & STY_GUIDE_CONTOUR;
-  StyStatus status = sty_create_guide(width, height, contour ? groups | STY_CONTOUR_SOURCES : groups, &guide, error);
+  StyStatus status = sty_create_guide(width, height, groups, &guide, error);
   if (status) return status;
   fill_sphere(&guide, groups);
-  const StyFootprint footprint = {2.0 / height, 0};
-  if (contour) status = sty_draw_contours(&guide, &sty_default_contour, &footprint, NULL, error);
-  if (!status) status = sty_select_channels(&guide.image, 0, height, groups, error);
+  if (groups & STY_GUIDE_CONTOUR) status = draw_contours(&guide, error);
   if (status)
     sty_destroy_image(&guide.image);
   else

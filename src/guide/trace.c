@@ -7,14 +7,14 @@
 #include "guide/bands.h"
 #include "guide/channels.h"
 #include "guide/contour.h"
+#include "guide/kernels.h"
 #include "guide/light.h"
 #include "guide/paint.h"
 #include "guide/paths.h"
 #include "scene/points.h"
 #include "scene/vector.h"
 
-/* A block of rays covers so many pixels. */
-enum { BLOCK_WIDTH = 4, BLOCK_HEIGHT = STY_RAYS / BLOCK_WIDTH, TILE = 32 };
+enum { TILE = 32 }; /* pixels, whole blocks */
 
 /* Orthographic rays start this far behind the eye's plane (trace units), so
  * that a surface that touches the plane isn't missed. */
@@ -30,10 +30,15 @@ typedef struct Render {
   StyPalette *palette; /* NULL where no channel asks for colours */
   const StyCamera *camera;
   const StyTraceOptions *options;
+  const StyKernels *kernels;
+  StyFilm film;
+  double *places; /* the film's columns and rows; owned */
+  StySight sight;
   unsigned groups;    /* what is asked for, and what that takes */
   unsigned parts;     /* StyHitPart */
   StyPathWorld world; /* for light paths */
   double width;       /* of a pixel at depth 1, or at any for an orthographic camera; scene units */
+  StyGuide sources;   /* what a band's outlines are made from, with a block more above and below; owned */
 } Render;
 
 /* ---- pixels ---- */
@@ -41,70 +46,21 @@ typedef struct Render {
 /* Film coordinates along a side of `count` pixels, from -half to half. */
 static double get_film(int pixel, int count, double half) { return ((pixel + 0.5) / count * 2 - 1) * half; }
 
-/* The rays of a block: the film's point moves, and with it their origins or their directions. */
-static void make_rays(const Render *render, int x0, int y0, StyRays *rays) {
+static int round_up(int count, int step) { return (count + step - 1) / step * step; }
+
+static StyStatus open_film(Render *render, StyError *error) {
   const StyCamera *camera = render->camera;
-  double s[STY_RAYS], t[STY_RAYS];
-  for (int i = 0; i < STY_RAYS; i++) {
-    s[i] = get_film(x0 + i % BLOCK_WIDTH, render->options->width, camera->half_width);
-    t[i] = -get_film(y0 + i / BLOCK_WIDTH, render->options->height, camera->half_height);
-  }
-  for (int k = 0; k < 3; k++) {
-    const double eye = camera->eye[k], back = camera->back[k], start = eye + START_SLACK * back;
-    for (int i = 0; i < STY_RAYS; i++) {
-      const double film = s[i] * camera->right[k] + t[i] * camera->up[k];
-      rays->origin[k][i] = camera->perspective ? eye : start + film;
-      rays->direction[k][i] = camera->perspective ? film - back : -back;
-    }
-  }
-}
-
-static void bend_to_horizon(const double direction[3], double normal[3]) {
-  if (dot_vectors(normal, direction) <= 0) return;
-  double along[3] = {direction[0], direction[1], direction[2]};
-  normalize_vector(along);
-  const double away = dot_vectors(normal, along);
-  for (int k = 0; k < 3; k++) normal[k] -= away * along[k];
-  normalize_vector(normal);
-}
-
-/* The axes that are relative to a ray. */
-static void turn_axes(const StyCamera *camera, const double direction[3], double right[3], double up[3],
-                      double back[3]) {
-  memcpy(right, camera->right, 3 * sizeof *right);
-  for (int k = 0; k < 3; k++) back[k] = -direction[k];
-  normalize_vector(back);
-  const double along = dot_vectors(right, back);
-  for (int k = 0; k < 3; k++) right[k] -= along * back[k];
-  normalize_vector(right);
-  cross_vectors(back, right, up);
-}
-
-static void shade_normal(const Render *render, const StyHit *hit, const double direction[3], double out[3]) {
-  double normal[3], right[3], up[3], back[3];
-  if (render->options->flat) {
-    memcpy(normal, hit->facet, sizeof normal);
-    normalize_vector(normal);
-  } else {
-    memcpy(normal, hit->shading, sizeof normal);
-    bend_to_horizon(direction, normal);
-  }
-  const StyCamera *camera = render->camera;
-  const bool turned = render->options->ray_frame && camera->perspective;
-  if (turned) turn_axes(camera, direction, right, up, back);
-  out[0] = dot_vectors(normal, turned ? right : camera->right);
-  out[1] = dot_vectors(normal, turned ? up : camera->up);
-  out[2] = dot_vectors(normal, turned ? back : camera->back);
-}
-
-static void shade_place(const Render *render, const StyHit *hit, StySample *sample) {
-  const StyScene *scene = render->scene;
-  double from_eye[3];
-  for (int k = 0; k < 3; k++) {
-    from_eye[k] = hit->at[k] - render->camera->eye[k];
-    if (render->groups & STY_GUIDE_POSITION) sample->position[k] = hit->at[k] / scene->scale + scene->centre[k];
-  }
-  sample->depth = -dot_vectors(from_eye, render->camera->back) / scene->scale;
+  const int width = render->options->width, height = render->options->height;
+  const int columns = round_up(width, STY_BLOCK_WIDTH), rows = round_up(height, STY_BLOCK_HEIGHT);
+  const size_t bytes = ((size_t)columns + (size_t)rows) * sizeof *render->places;
+  double *places = render->places = malloc(bytes);
+  if (!places) return sty_fail_memory(error, "guide", (double)bytes);
+  for (int x = 0; x < columns; x++) places[x] = get_film(x, width, camera->half_width);
+  for (int y = 0; y < rows; y++) places[columns + y] = -get_film(y, height, camera->half_height);
+  render->film = (StyFilm){.camera = camera, .columns = places, .rows = places + columns};
+  for (int k = 0; k < 3; k++)
+    render->film.start[k] = camera->eye[k] + (camera->perspective ? 0 : START_SLACK * camera->back[k]);
+  return STY_OK;
 }
 
 /* Where a point of trace space is on the film, in pixels; false: behind the camera. The inverse of make_rays. */
@@ -119,32 +75,15 @@ static bool project(const StyCamera *camera, const StyTraceOptions *options, con
   return true;
 }
 
-static void shade_motion(const Render *render, const StyHit *hit, double motion[2]) {
+static void see_motion(const Render *render, const StyHits *hits, int i, StyLane motion[2]) {
   const StyPrevious *previous = &render->options->previous;
-  double now[2], then[2], at[3];
-  motion[0] = motion[1] = 0;
-  sty_follow_hit(render->scene, hit, previous->scene, at);
-  if (!project(render->camera, render->options, hit->at, now) || !project(previous->camera, render->options, at, then))
+  double now[2], then[2], here[3], there[3];
+  motion[0][i] = motion[1][i] = 0;
+  sty_get_lane(hits->at, i, here);
+  sty_follow_hit(render->scene, hits, i, previous->scene, there);
+  if (!project(render->camera, render->options, here, now) || !project(previous->camera, render->options, there, then))
     return;
-  for (int k = 0; k < 2; k++) motion[k] = then[k] - now[k];
-}
-
-static void shade_hit(const Render *render, const StyBlock *block, int i, const StyPathLight *paths,
-                      const StyGuide *guide, size_t pixel) {
-  const StyHit *hit = &block->hits[i];
-  StySample sample; /* no more of it is set than is read */
-  sample.object = hit->object;
-  sample.style = hit->style;
-  sample.luma = block->luma[i];
-  if (render->palette) memcpy(sample.albedo, block->albedo[i], sizeof sample.albedo);
-  const StyRay ray = sty_get_ray(&block->rays, i);
-  if (render->groups & STY_GUIDE_NORMAL) shade_normal(render, hit, ray.direction, sample.normal);
-  if (render->groups & (STY_GUIDE_DEPTH | STY_GUIDE_POSITION)) shade_place(render, hit, &sample);
-  if (render->groups & STY_GUIDE_UV) memcpy(sample.uv, hit->uv, sizeof sample.uv);
-  if (render->groups & STY_GUIDE_CURVATURE) sample.curvature = hit->curvature * render->scene->scale;
-  if (render->groups & STY_GUIDE_MOTION) shade_motion(render, hit, sample.motion);
-  if (render->groups & STY_GUIDE_PATHS) sample.paths = *paths;
-  sty_set_sample(guide, pixel, &sample);
+  for (int k = 0; k < 2; k++) motion[k][i] = then[k] - now[k];
 }
 
 /* ---- tiles ---- */
@@ -153,56 +92,99 @@ static void shade_hit(const Render *render, const StyBlock *block, int i, const 
 typedef struct Band {
   const Render *render;
   const StyGuide *guide;
-  int first; /* its first row in the picture, even: blocks then hold the same pixels in whatever band */
+  int first;     /* its first row in the picture, even: blocks then hold the same pixels in whatever band */
+  int top, rows; /* what is traced of the picture: those, and around them what outlines need */
 } Band;
 
-static void trace_block(const Band *band, int x0, int y0) {
-  const Render *render = band->render;
-  const int width = render->options->width;
+/* What a tile's blocks are worked out in, one after the other. */
+typedef struct Bench {
   StyBlock block;
-  StyPathLight paths[STY_RAYS];
-  int pixels[STY_RAYS][2];
+  StySamples samples;
+} Bench;
+
+/* False: the block's pixels show nothing. */
+static bool look_at_block(const Render *render, int x, int y, Bench *bench) {
+  StyBlock *block = &bench->block;
+  StySamples *samples = &bench->samples;
   for (int i = 0; i < STY_RAYS; i++) {
-    const int x = pixels[i][0] = x0 + i % BLOCK_WIDTH, y = pixels[i][1] = y0 + i / BLOCK_WIDTH;
-    block.valid[i] = x < width && y < render->options->height ? -1 : 0;
+    const bool is_inside =
+        x + i % STY_BLOCK_WIDTH < render->options->width && y + i / STY_BLOCK_WIDTH < render->options->height;
+    block->valid[i] = is_inside ? -1 : 0;
   }
-  make_rays(render, x0, y0, &block.rays);
-  if (!sty_trace_rays(render->tracer, &block.rays, true, render->parts, block.valid, block.hits)) return;
-  for (int i = 0; i < STY_RAYS; i++)
-    if (block.valid[i] && render->palette) sty_get_albedo(render->palette, &block.hits[i], block.albedo[i]);
-  if (render->groups & STY_GUIDE_LUMA) sty_light_block(render->scene, render->tracer, &block);
-  if (render->groups & STY_GUIDE_PATHS) sty_trace_paths(&render->world, &block, pixels, paths);
+  render->kernels->make_rays(&render->film, x, y, &block->rays);
+  if (!sty_trace_rays(render->tracer, &block->rays, true, render->parts, block->valid, &block->hits)) return false;
+  render->kernels->see_hits(&render->sight, &block->rays, &block->hits, samples);
   for (int i = 0; i < STY_RAYS; i++) {
-    const int x = pixels[i][0], row = pixels[i][1] - band->first;
-    if (block.valid[i] && row < band->guide->image->height)
-      shade_hit(render, &block, i, &paths[i], band->guide, (size_t)row * (size_t)width + (size_t)x);
+    if (block->valid[i] && render->palette) sty_get_albedo(render->palette, &block->hits, i, block->albedo);
+    if (block->valid[i] && render->groups & STY_GUIDE_MOTION) see_motion(render, &block->hits, i, samples->motion);
   }
+  if (render->groups & STY_GUIDE_ALBEDO) memcpy(samples->albedo, block->albedo, sizeof samples->albedo);
+  if (render->groups & STY_GUIDE_LUMA) sty_light_block(render->scene, render->tracer, block, samples->luma);
+  if (render->groups & STY_GUIDE_PATHS) sty_trace_paths(&render->world, block, x, y, &samples->paths);
+  return true;
 }
+
+/* The row of the sources where a row of the picture is. */
+static int find_source_row(const Band *band, int y) { return y - band->first + STY_BLOCK_HEIGHT; }
 
 static int count_tiles(int side) { return (side + TILE - 1) / TILE; }
 
 static StyStatus trace_tile(void *context, long tile, StyError *error) {
   (void)error;
   const Band *band = context;
-  const int width = band->render->options->width, height = band->guide->image->height, columns = count_tiles(width);
-  const int x0 = (int)(tile % columns) * TILE, y0 = (int)(tile / columns) * TILE;
-  for (int y = y0; y < y0 + TILE && y < height; y += BLOCK_HEIGHT)
-    for (int x = x0; x < x0 + TILE && x < width; x += BLOCK_WIDTH) trace_block(band, x, band->first + y);
+  const Render *render = band->render;
+  const bool outlined = render->groups & STY_GUIDE_CONTOUR;
+  const int width = render->options->width, columns = count_tiles(width);
+  const int x0 = (int)(tile % columns) * TILE, y0 = band->top + (int)(tile / columns) * TILE;
+  const int right = x0 + TILE < width ? x0 + TILE : width;
+  const int bottom = y0 + TILE < band->top + band->rows ? y0 + TILE : band->top + band->rows;
+  Bench bench = {0};
+  EACH_LANE bench.samples.coverage[i] = 1;
+  sty_clear_pixels(band->guide, x0, y0 - band->first, right - x0, bottom - y0);
+  if (outlined) sty_clear_pixels(&render->sources, x0, find_source_row(band, y0), right - x0, bottom - y0);
+  for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT)
+    for (int x = x0; x < right; x += STY_BLOCK_WIDTH) {
+      if (!look_at_block(render, x, y, &bench)) continue;
+      const int *valid = bench.block.valid;
+      render->kernels->set_samples(band->guide, x, y - band->first, valid, &bench.samples);
+      if (outlined) render->kernels->set_samples(&render->sources, x, find_source_row(band, y), valid, &bench.samples);
+    }
   return STY_OK;
 }
 
-static StyStatus draw_contours(const Render *render, const StyGuide *guide, const StyRun *run, StyError *error) {
+static StyStatus draw_contours(const Band *band, const StyRun *run, StyError *error) {
+  const Render *render = band->render;
   const bool perspective = render->camera->perspective;
-  const StyFootprint footprint = {perspective ? 0 : render->width, perspective ? render->width : 0};
-  return sty_draw_contours(guide, &render->options->contour, &footprint, run, error);
+  const StyContours contours = {.sources = render->sources.image,
+                                .drawn = band->guide->image,
+                                .first = find_source_row(band, band->first),
+                                .is_top = band->first == 0,
+                                .is_bottom = band->first + band->guide->image->height == render->options->height,
+                                .weights = &render->options->contour,
+                                .footprint = {perspective ? 0 : render->width, perspective ? render->width : 0}};
+  return sty_draw_contours(&contours, run, error);
+}
+
+/* The band's rows and a block more above and below, as far as the picture has them. */
+static StyStatus trace_outlined(Render *render, Band *band, const StyRun *run, StyError *error) {
+  const int rows = band->guide->image->height, bottom = band->first + rows + STY_BLOCK_HEIGHT;
+  StyStatus status = STY_OK;
+  if (!render->sources.image) /* the first band is as high as any */
+    status = sty_create_guide(render->options->width, rows + 2 * STY_BLOCK_HEIGHT, STY_CONTOUR_SOURCES,
+                              &render->sources, error);
+  band->top = band->first > 0 ? band->first - STY_BLOCK_HEIGHT : 0;
+  band->rows = (bottom < render->options->height ? bottom : render->options->height) - band->top;
+  const long tiles = (long)count_tiles(render->options->width) * count_tiles(band->rows);
+  if (!status) status = sty_parallel_for(run, tiles, trace_tile, band, error);
+  return status ? status : draw_contours(band, run, error);
 }
 
 static StyStatus trace_band(void *context, int first, const StyGuide *guide, const StyRun *run, StyError *error) {
-  const Render *render = context;
-  Band band = {render, guide, first};
-  const long tiles = (long)count_tiles(guide->image->width) * count_tiles(guide->image->height);
-  const StyStatus status = sty_parallel_for(run, tiles, trace_tile, &band, error);
-  return status || !(render->groups & STY_GUIDE_CONTOUR) ? status : draw_contours(render, guide, run, error);
+  Render *render = context;
+  Band band = {.render = render, .guide = guide, .first = first, .top = first, .rows = guide->image->height};
+  if (render->groups & STY_GUIDE_CONTOUR) return trace_outlined(render, &band, run, error);
+  const long tiles = (long)count_tiles(guide->image->width) * count_tiles(band.rows);
+  return sty_parallel_for(run, tiles, trace_tile, &band, error);
 }
 
 /* ---- the whole ---- */
@@ -243,6 +225,7 @@ static unsigned get_parts(unsigned groups, const StyScene *scene) {
   if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | LIT)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
+  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | COLOURED)) parts |= STY_HIT_OWNER;
   return parts;
 }
 
@@ -254,10 +237,13 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
   render->groups = options->groups;
   if (options->groups & STY_GUIDE_CONTOUR) render->groups |= STY_CONTOUR_SOURCES;
   render->parts = get_parts(render->groups, scene);
+  render->kernels = sty_get_kernels();
+  render->sight = (StySight){scene, render->camera, render->groups, options->flat, options->ray_frame};
   render->width = 2 * render->camera->half_height / options->height;
   if (!render->camera->perspective) render->width /= scene->scale;
   if (!status && options->groups & COLOURED)
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
+  if (!status) status = open_film(render, error);
   const double start = sty_get_milliseconds();
   if (!status) status = sty_open_tracer(scene, &render->tracer, error);
   times->build_ms = sty_get_milliseconds() - start;
@@ -272,6 +258,8 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
 }
 
 static void close_render(Render *render) {
+  free(render->places);
+  sty_destroy_image(&render->sources.image);
   sty_close_tracer(&render->tracer);
   sty_close_palette(&render->palette);
 }
@@ -284,9 +272,7 @@ StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const S
   const double start = sty_get_milliseconds();
   const StyBands bands = {.width = options->width,
                           .height = options->height,
-                          .apron = options->groups & STY_GUIDE_CONTOUR ? BLOCK_HEIGHT : 0,
-                          .groups = render.groups,
-                          .wanted = options->groups,
+                          .groups = options->groups,
                           .fill = trace_band,
                           .context = &render};
   if (!status) status = sty_stream_bands(&bands, run, sink, &found.first_ms, error);
@@ -304,9 +290,8 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
   StyGuide guide = {0};
   StyStatus status = open_render(&render, &found, error);
   const double start = sty_get_milliseconds();
-  if (!status) status = sty_create_guide(options->width, options->height, render.groups, &guide, error);
+  if (!status) status = sty_create_guide(options->width, options->height, options->groups, &guide, error);
   if (!status) status = trace_band(&render, 0, &guide, run, error);
-  if (!status) status = sty_select_channels(&guide.image, 0, options->height, options->groups, error);
   close_render(&render);
   if (status) {
     sty_destroy_image(&guide.image);

@@ -1,0 +1,39 @@
+/* What rays are traced through: the scene's objects in its trace space, and Embree's trees of them. */
+#ifndef STYLUT_GUIDE_TRACER_H
+#define STYLUT_GUIDE_TRACER_H
+
+#include <embree3/rtcore.h>
+#include <stdatomic.h>
+
+#include "guide/kernels.h"
+
+/* An object in the scene's trace space. */
+typedef struct StyPlaced {
+  const StyMesh *mesh;
+  const StyObject *object;
+  double matrix[3][4];    /* from the mesh's trace space */
+  double cofactors[3][3]; /* for normals: proportional to the transform's inverse transpose */
+  bool is_unmoved;        /* the matrix is the identity */
+} StyPlaced;
+
+/* A sphere in the scene's trace space. */
+typedef struct StyBall {
+  double centre[3], radius;
+  const StySphere *sphere;
+} StyBall;
+
+struct StyTracer {
+  RTCDevice device;
+  RTCScene scene;
+  RTCScene *trees;   /* 1 per mesh; NULL where no object needs it */
+  StyPlaced *placed; /* 1 per object */
+  StyBall *balls;    /* 1 per sphere */
+  const StyScene *model;
+  const StyKernels *kernels;
+  char message[256];                   /* what Embree complained about first */
+  _Atomic long long bytes, most_bytes; /* Embree's own */
+};
+
+StyPlaced sty_place_object(const StyScene *scene, const StyObject *object);
+
+#endif
