@@ -49,10 +49,11 @@ endif
 BUILD = build/$(config)$(if $(filter-out gcc,$(CC)),-$(notdir $(CC)))$(if $(filter-out 1,$(CGAL)),-nocgal)
 
 # -ffp-contract=off: the same bytes from every compiler and processor. Nothing
-# of ours asks libm for errno, which would keep square roots from being vectors.
+# of ours asks libm for errno or waits for traps, which would keep square roots
+# and choices from being vectors.
 COMMON = $(OPTIMIZE_$(config)) -Wall -Wextra -Wshadow -Wvla -ffp-contract=off -fno-math-errno -fPIC -Iinclude -Isrc -MMD -MP \
   -D_GNU_SOURCE -DSTY_VERSION='"$(VERSION)"' -isystem /usr/include/Imath $(if $(filter 1,$(CGAL)),-DSTY_WITH_CGAL)
-CFLAGS_ALL = -std=c11 $(COMMON) -Wstrict-prototypes -Wmissing-prototypes -fopenmp $(CFLAGS)
+CFLAGS_ALL = -std=c11 $(COMMON) -fno-trapping-math -Wstrict-prototypes -Wmissing-prototypes -fopenmp $(CFLAGS)
 CXXFLAGS_ALL = -std=c++17 $(COMMON) -frounding-math $(CXXFLAGS)
 # The runtime knows nothing of the rest, OpenMP and GNU extensions included.
 RUNTIME_CFLAGS = -std=c11 $(filter-out -D_GNU_SOURCE,$(COMMON)) -Wstrict-prototypes -Wmissing-prototypes $(CFLAGS)

@@ -4,23 +4,25 @@
 #include <stdio.h>
 #include <string.h>
 
+#define LANE(field) (int)(offsetof(StySamples, field) / sizeof(StyLane))
+
 const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT] = {
-    {STY_GUIDE_NORMAL, "normal", 3, {"normal.X", "normal.Y", "normal.Z"}, 0, offsetof(StySamples, normal)},
-    {STY_GUIDE_DEPTH, "depth", 1, {"depth.Z"}, INFINITY, offsetof(StySamples, depth)},
-    {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, offsetof(StySamples, position)},
-    {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, offsetof(StySamples, object)},
-    {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, offsetof(StySamples, style)},
-    {STY_GUIDE_UV, "uv", 2, {"uv.U", "uv.V"}, 0, offsetof(StySamples, uv)},
-    {STY_GUIDE_ALBEDO, "albedo", 3, {"albedo.R", "albedo.G", "albedo.B"}, 0, offsetof(StySamples, albedo)},
-    {STY_GUIDE_LUMA, "luma", 1, {"luma.Y"}, 0, offsetof(StySamples, luma)},
-    {STY_GUIDE_CURVATURE, "curvature", 1, {"curvature.Y"}, 0, offsetof(StySamples, curvature)},
+    {STY_GUIDE_NORMAL, "normal", 3, {"normal.X", "normal.Y", "normal.Z"}, 0, LANE(normal)},
+    {STY_GUIDE_DEPTH, "depth", 1, {"depth.Z"}, INFINITY, LANE(depth)},
+    {STY_GUIDE_POSITION, "position", 3, {"position.X", "position.Y", "position.Z"}, 0, LANE(position)},
+    {STY_GUIDE_OBJECT, "object", 1, {"object.I"}, 0, LANE(object)},
+    {STY_GUIDE_STYLE, "style", 1, {"style.I"}, 0, LANE(style)},
+    {STY_GUIDE_UV, "uv", 2, {"uv.U", "uv.V"}, 0, LANE(uv)},
+    {STY_GUIDE_ALBEDO, "albedo", 3, {"albedo.R", "albedo.G", "albedo.B"}, 0, LANE(albedo)},
+    {STY_GUIDE_LUMA, "luma", 1, {"luma.Y"}, 0, LANE(luma)},
+    {STY_GUIDE_CURVATURE, "curvature", 1, {"curvature.Y"}, 0, LANE(curvature)},
     {STY_GUIDE_CONTOUR, "contour", 1, {"contour.Y"}, 0, 0},
-    {STY_GUIDE_MOTION, "motion", 2, {"motion.U", "motion.V"}, 0, offsetof(StySamples, motion)},
-    {STY_GUIDE_FULL, "full", 3, {"full.R", "full.G", "full.B"}, 0, offsetof(StySamples, paths.full)},
-    {STY_GUIDE_LDE, "LDE", 3, {"LDE.R", "LDE.G", "LDE.B"}, 0, offsetof(StySamples, paths.lde)},
-    {STY_GUIDE_LSE, "LSE", 3, {"LSE.R", "LSE.G", "LSE.B"}, 0, offsetof(StySamples, paths.lse)},
-    {STY_GUIDE_LD12E, "LD12E", 3, {"LD12E.R", "LD12E.G", "LD12E.B"}, 0, offsetof(StySamples, paths.ld12e)},
-    {STY_GUIDE_LIE, "LIE", 3, {"LIE.R", "LIE.G", "LIE.B"}, 0, offsetof(StySamples, paths.lie)},
+    {STY_GUIDE_MOTION, "motion", 2, {"motion.U", "motion.V"}, 0, LANE(motion)},
+    {STY_GUIDE_FULL, "full", 3, {"full.R", "full.G", "full.B"}, 0, LANE(paths.full)},
+    {STY_GUIDE_LDE, "LDE", 3, {"LDE.R", "LDE.G", "LDE.B"}, 0, LANE(paths.lde)},
+    {STY_GUIDE_LSE, "LSE", 3, {"LSE.R", "LSE.G", "LSE.B"}, 0, LANE(paths.lse)},
+    {STY_GUIDE_LD12E, "LD12E", 3, {"LD12E.R", "LD12E.G", "LD12E.B"}, 0, LANE(paths.ld12e)},
+    {STY_GUIDE_LIE, "LIE", 3, {"LIE.R", "LIE.G", "LIE.B"}, 0, LANE(paths.lie)},
 };
 
 static unsigned get_all_groups(void) {
@@ -65,26 +67,28 @@ StyStatus sty_parse_channels(const char *what, const char *text, unsigned *group
   return STY_OK;
 }
 
-static void add_plane(StyGuide *guide, const char *channel, float miss, size_t field) {
-  guide->planes[guide->plane_count++] = (StyGuidePlane){sty_find_channel(guide->image, channel), miss, field};
-}
-
-StyGuide sty_view_guide(StyImage *image, unsigned groups) {
-  StyGuide guide = {.image = image};
-  add_plane(&guide, "A", 0, offsetof(StySamples, coverage));
+StyChannels sty_list_channels(unsigned groups) {
+  StyChannels list = {1, {{"A", LANE(coverage), 0}}};
   for (int g = 0; g < STY_GROUP_COUNT; g++) {
     const StyChannelGroupInfo *info = &STY_CHANNEL_GROUPS[g];
     if (!(groups & ~(unsigned)STY_GUIDE_CONTOUR & info->group)) continue;
     for (int c = 0; c < info->count; c++)
-      add_plane(&guide, info->channels[c], info->miss, info->field + (size_t)c * sizeof(StyLane));
+      list.channels[list.count++] = (struct StySampledChannel){info->channels[c], info->lane + c, info->miss};
   }
+  return list;
+}
+
+StyGuide sty_view_guide(StyImage *image, unsigned groups) {
+  StyGuide guide = {.image = image, .channels = sty_list_channels(groups)};
+  for (int c = 0; c < guide.channels.count; c++)
+    guide.planes[c] = sty_find_channel(image, guide.channels.channels[c].name);
   return guide;
 }
 
 StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out, StyError *error) {
   if (groups & ~get_all_groups())
     return sty_fail(error, STY_ERROR_USAGE, "guide channels: found the unknown set 0x%x", groups);
-  const char *names[1 + STY_GROUP_COUNT * STY_GROUP_CHANNELS] = {"A"};
+  const char *names[STY_GUIDE_CHANNELS] = {"A"};
   int count = 1;
   for (int g = 0; g < STY_GROUP_COUNT; g++)
     for (int c = 0; groups & STY_CHANNEL_GROUPS[g].group && c < STY_CHANNEL_GROUPS[g].count; c++)
@@ -95,13 +99,18 @@ StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out
   return status;
 }
 
-void sty_clear_pixels(const StyGuide *guide, int x, int y, int width, int height) {
-  const StyImage *image = guide->image;
-  const int right = x + width < image->width ? x + width : image->width;
-  const int top = y > 0 ? y : 0, bottom = y + height < image->height ? y + height : image->height;
-  for (int p = 0; p < guide->plane_count; p++)
-    for (int row = top; row < bottom; row++) {
-      float *values = guide->planes[p].values + (size_t)row * (size_t)image->width;
-      for (int column = x; column < right; column++) values[column] = guide->planes[p].miss;
-    }
+void sty_clear_strip(const StyChannels *channels, StyStrip *strip) {
+  for (int c = 0; c < channels->count; c++) {
+    float *values = strip->values[channels->channels[c].lane][0];
+    for (int i = 0; i < STY_BLOCK_HEIGHT * STY_STRIP_WIDTH; i++) values[i] = channels->channels[c].miss;
+  }
+}
+
+void sty_write_strip(const StyStrip *strip, int x, int y, const StyGuide *guide) {
+  const size_t width = (size_t)guide->image->width, rest = width - (size_t)x;
+  const size_t count = rest < STY_STRIP_WIDTH ? rest : STY_STRIP_WIDTH;
+  for (int c = 0; c < guide->channels.count; c++)
+    for (int row = 0; row < STY_BLOCK_HEIGHT && y + row < guide->image->height; row++)
+      memcpy(guide->planes[c] + (size_t)(y + row) * width + (size_t)x,
+             strip->values[guide->channels.channels[c].lane][row], count * sizeof(float));
 }

@@ -40,33 +40,51 @@ typedef struct StyChannelGroupInfo {
   const char *name; /* as people type it */
   int count;        /* channels, 1 .. STY_GROUP_CHANNELS */
   const char *channels[STY_GROUP_CHANNELS];
-  float miss;   /* value of every channel where nothing is hit */
-  size_t field; /* offset of `count` lanes in StySamples */
+  float miss; /* value of every channel where nothing is hit */
+  int lane;   /* the first of `count` in StySamples */
 } StyChannelGroupInfo;
 
 extern const StyChannelGroupInfo STY_CHANNEL_GROUPS[STY_GROUP_COUNT];
 
-/* A channel that samples are written into. */
-typedef struct StyGuidePlane {
-  float *values;
-  float miss;
-  size_t field; /* offset of its lane in StySamples */
-} StyGuidePlane;
+#define STY_GUIDE_CHANNELS (1 + STY_GROUP_COUNT * STY_GROUP_CHANNELS) /* at most */
 
-/* A guide image with its planes at hand. */
+/* Channels that samples are written into: A and those of some groups, but no outlines, which aren't samples. */
+typedef struct StyChannels {
+  int count;
+  struct StySampledChannel {
+    const char *name;
+    int lane; /* of StySamples */
+    float miss;
+  } channels[STY_GUIDE_CHANNELS];
+} StyChannels;
+
+StyChannels sty_list_channels(unsigned groups);
+
+/* A guide image with its planes at hand, in the channels' order. */
 typedef struct StyGuide {
   StyImage *image;
-  int plane_count;
-  StyGuidePlane planes[1 + STY_GROUP_COUNT * STY_GROUP_CHANNELS];
+  StyChannels channels;
+  float *planes[STY_GUIDE_CHANNELS];
 } StyGuide;
 
 /* A guide of channel A and those of `groups`, all 0. The caller owns out->image. STY_ERROR_USAGE for unknown groups. */
 StyStatus sty_create_guide(int width, int height, unsigned groups, StyGuide *out, StyError *error);
 
-/* The planes of an image that sty_create_guide made for these groups; without outlines, which aren't samples. */
+/* The planes of an image that sty_create_guide made for these groups. */
 StyGuide sty_view_guide(StyImage *image, unsigned groups);
 
-/* Makes misses of a rectangle's pixels, outlines apart; what lies outside the guide is left out. */
-void sty_clear_pixels(const StyGuide *guide, int x, int y, int width, int height);
+/* A row of blocks on its way into guides. Samples of one block touch as many cache lines as there are channels and
+ * rows, so that they are gathered here and then written in whole lines. */
+enum { STY_STRIP_WIDTH = 32 };
+
+typedef struct StyStrip {
+  float values[sizeof(StySamples) / sizeof(StyLane)][STY_BLOCK_HEIGHT][STY_STRIP_WIDTH]; /* by lanes of StySamples */
+} StyStrip;
+
+/* Misses all over. */
+void sty_clear_strip(const StyChannels *channels, StyStrip *strip);
+
+/* Writes a strip whose first pixel is (x, y); what lies outside the guide is left out. */
+void sty_write_strip(const StyStrip *strip, int x, int y, const StyGuide *guide);
 
 #endif

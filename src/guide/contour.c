@@ -33,7 +33,8 @@ static StyStatus draw_row(void *context, long row, StyError *error) {
   return STY_OK;
 }
 
-StyStatus sty_draw_contours(const StyContours *contours, const StyRun *run, StyError *error) {
+void sty_draw_contours(const StyContours *contours, int threads) {
+  const StyRun run = {.threads = threads};
   const StyImage *sources = contours->sources;
   Drawing drawing = {.contours = contours,
                      .kernels = sty_get_kernels(),
@@ -42,5 +43,5 @@ StyStatus sty_draw_contours(const StyContours *contours, const StyRun *run, StyE
                      .normal = {sty_find_channel(sources, "normal.X"), sty_find_channel(sources, "normal.Y"),
                                 sty_find_channel(sources, "normal.Z")},
                      .strength = sty_find_channel(contours->drawn, "contour.Y")};
-  return sty_parallel_for(run, contours->drawn->height, draw_row, &drawing, error);
+  sty_parallel_for(&run, contours->drawn->height, draw_row, &drawing, NULL);
 }

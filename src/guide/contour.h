@@ -23,6 +23,6 @@ typedef struct StyContours {
 } StyContours;
 
 /* See StyContourWeights. Neighbours beyond the picture are taken to be like the pixel itself. */
-StyStatus sty_draw_contours(const StyContours *contours, const StyRun *run, StyError *error);
+void sty_draw_contours(const StyContours *contours, int threads);
 
 #endif

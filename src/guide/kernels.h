@@ -14,12 +14,14 @@ typedef struct StyFilm {
   const double *columns, *rows; /* s and t, see StyCamera */
 } StyFilm;
 
-/* The triangles that eight rays meet, in the rays' space. */
+/* The triangles that eight rays meet, as their meshes have them. */
 typedef struct StyTriangles {
-  StyLane corners[3][3]; /* corner by corner */
-  StyLane normals[3][3]; /* of the corners, any length; only with STY_HIT_SHADING */
-  StyLane uvs[3][2];     /* of the corners; only with STY_HIT_UV */
-  StyLane found[2];      /* the second and third corner's weight, for rays within the triangle's plane */
+  StyFloatLane corners[3][3]; /* corner by corner */
+  StyFloatLane normals[3][3]; /* of the corners; only with STY_HIT_SHADING */
+  StyFloatLane uvs[3][2];     /* of the corners; only with STY_HIT_UV */
+  StyFloatLane found[2];      /* the second and third corner's weight, for rays within the triangle's plane */
+  bool is_moved;              /* some stand elsewhere in the rays' space than in their meshes' */
+  StyLane matrix[3][4], cofactors[3][3]; /* then what moves places and normals, see StyPlaced */
 } StyTriangles;
 
 /* How hits are seen. */
@@ -49,9 +51,10 @@ typedef struct StyKernels {
   void (*meet_triangles)(const StyRays *rays, const StyTriangles *triangles, unsigned parts, StyHits *hits);
   /* Fills what of normal, depth, position, uv, curvature, object and style is among the sight's groups. */
   void (*see_hits)(const StySight *sight, const StyRays *rays, const StyHits *hits, StySamples *samples);
-  /* Writes the valid ones (-1; others 0, whose samples may be anything) as covered pixels of the block whose first is
-   * (x, y), others as misses; what lies outside the guide is left out. */
-  void (*set_samples)(const StyGuide *guide, int x, int y, const int valid[STY_LANES], const StySamples *samples);
+  /* Puts the valid ones (-1; others 0, whose samples may be anything) into the strip's block whose first column is x,
+   * and misses in the others' place. */
+  void (*set_samples)(const StyChannels *channels, int x, const int valid[STY_LANES], const StySamples *samples,
+                      StyStrip *strip);
   void (*draw_outlines)(const StyOutlines *outlines);
 } StyKernels;
 

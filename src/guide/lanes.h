@@ -5,6 +5,7 @@
 enum { STY_LANES = 8 };
 
 typedef double StyLane[STY_LANES]; /* one number of each */
+typedef float StyFloatLane[STY_LANES];
 
 /* Where they are pixels, they are a block of so many columns and rows. */
 enum { STY_BLOCK_WIDTH = 4, STY_BLOCK_HEIGHT = STY_LANES / STY_BLOCK_WIDTH };

@@ -16,30 +16,20 @@ static const double RAY_START = 1.0 / 32768;
 /* Not fmin and fmax, which are calls. */
 static double clamp(double value, double low, double high) { return value < low ? low : value > high ? high : value; }
 
-static void move_point(const StyPlaced *placed, const float *p, double out[3]) {
-  for (int k = 0; k < 3; k++) {
-    const double *row = placed->matrix[k];
-    out[k] = placed->is_unmoved ? p[k] : row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
-  }
-}
-
-static void move_normal(const StyPlaced *placed, const float *n, double out[3]) {
-  const double own[3] = {n[0], n[1], n[2]};
-  for (int k = 0; k < 3; k++) out[k] = placed->is_unmoved ? own[k] : dot_vectors(placed->cofactors[k], own);
-}
-
-static void load_corner(const StyPlaced *placed, size_t vertex, unsigned parts, int corner, int i,
+static void load_corner(const StyMesh *mesh, size_t vertex, unsigned parts, int corner, int i,
                         StyTriangles *triangles) {
-  const StyMesh *mesh = placed->mesh;
-  double at[3], normal[3];
-  move_point(placed, &mesh->positions[3 * vertex], at);
-  for (int k = 0; k < 3; k++) triangles->corners[corner][k][i] = at[k];
-  if (parts & STY_HIT_SHADING) {
-    move_normal(placed, &mesh->normals[3 * vertex], normal);
-    for (int k = 0; k < 3; k++) triangles->normals[corner][k][i] = normal[k];
-  }
+  for (size_t k = 0; k < 3; k++) triangles->corners[corner][k][i] = mesh->positions[3 * vertex + k];
+  if (parts & STY_HIT_SHADING)
+    for (size_t k = 0; k < 3; k++) triangles->normals[corner][k][i] = mesh->normals[3 * vertex + k];
   if (parts & STY_HIT_UV)
     for (size_t k = 0; k < 2; k++) triangles->uvs[corner][k][i] = mesh->uvs ? mesh->uvs[2 * vertex + k] : 0;
+}
+
+static void load_transform(const StyPlaced *placed, int i, StyTriangles *triangles) {
+  for (int k = 0; k < 3; k++) {
+    for (int l = 0; l < 4; l++) triangles->matrix[k][l][i] = placed->matrix[k][l];
+    for (int l = 0; l < 3; l++) triangles->cofactors[k][l][i] = placed->cofactors[k][l];
+  }
 }
 
 /* Who triangle hit i lies on. */
@@ -56,18 +46,21 @@ static void name_owner(const StyPlaced *placed, int i, StyHits *hits) {
 /* All of a block that met triangles, together; other lanes take the first one's triangle, to no end. */
 static void hit_triangles(const StyTracer *tracer, const StyRays *rays, const struct RTCRayHit8 *packet, unsigned parts,
                           const bool *is_triangle, StyHits *hits) {
-  StyTriangles triangles;
+  StyTriangles triangles = {.is_moved = false};
+  const StyPlaced *placed[STY_RAYS];
   int first = 0;
   while (!is_triangle[first]) first++;
   for (int i = 0; i < STY_RAYS; i++) {
     const int j = is_triangle[i] ? i : first;
-    const StyPlaced *placed = &tracer->placed[hits->thing[j]];
-    const uint32_t *indices = &placed->mesh->indices[3 * (size_t)hits->triangle[j]];
-    for (int c = 0; c < 3; c++) load_corner(placed, indices[c], parts, c, i, &triangles);
-    triangles.found[0][i] = (double)packet->hit.u[j];
-    triangles.found[1][i] = (double)packet->hit.v[j];
-    if (parts & STY_HIT_OWNER && is_triangle[i]) name_owner(placed, i, hits);
+    placed[i] = &tracer->placed[hits->thing[j]];
+    const StyMesh *mesh = placed[i]->mesh;
+    const uint32_t *indices = &mesh->indices[3 * (size_t)hits->triangle[j]];
+    for (int c = 0; c < 3; c++) load_corner(mesh, indices[c], parts, c, i, &triangles);
+    for (int k = 0; k < 2; k++) triangles.found[k][i] = k ? packet->hit.v[j] : packet->hit.u[j];
+    triangles.is_moved |= !placed[i]->is_unmoved;
+    if (parts & STY_HIT_OWNER && is_triangle[i]) name_owner(placed[i], i, hits);
   }
+  for (int i = 0; i < STY_RAYS && triangles.is_moved; i++) load_transform(placed[i], i, &triangles);
   tracer->kernels->meet_triangles(rays, &triangles, parts, hits);
 }
 
@@ -237,12 +230,11 @@ static void follow_sphere(const StyScene *scene, const StyHits *hits, int i, con
 static void follow_triangle(const StyHits *hits, int i, const StyScene *other, double at[3]) {
   const StyPlaced placed = sty_place_object(other, &other->objects[hits->thing[i]]);
   const uint32_t *indices = &placed.mesh->indices[3 * (size_t)hits->triangle[i]];
-  double corner[3];
-  for (int k = 0; k < 3; k++) at[k] = 0;
-  for (int c = 0; c < 3; c++) {
-    move_point(&placed, &placed.mesh->positions[3 * (size_t)indices[c]], corner);
-    for (int k = 0; k < 3; k++) at[k] += hits->weights[c][i] * corner[k];
-  }
+  double own[3] = {0, 0, 0};
+  for (int c = 0; c < 3; c++)
+    for (size_t k = 0; k < 3; k++)
+      own[k] += hits->weights[c][i] * (double)placed.mesh->positions[3 * (size_t)indices[c] + k];
+  for (int k = 0; k < 3; k++) at[k] = dot_vectors(placed.matrix[k], own) + placed.matrix[k][3];
 }
 
 void sty_follow_hit(const StyScene *scene, const StyHits *hits, int i, const StyScene *other, double at[3]) {

@@ -23,29 +23,39 @@ static bool find_point(const StyImage *image, int column, int row, double out[3]
   return rest >= 0;
 }
 
+/* True where the pixel shows the sphere: then what it shows is noted as sample i. */
+static bool look_at_pixel(const StyImage *image, int column, int row, unsigned groups, int i, StySamples *samples) {
+  double point[3], uv[2] = {0, 0};
+  if (column >= image->width || !find_point(image, column, row, point)) return false;
+  if (groups & STY_GUIDE_UV) sty_get_sphere_uv(point, 1, uv);
+  for (int k = 0; k < 3; k++) samples->normal[k][i] = samples->position[k][i] = point[k];
+  for (int k = 0; k < 2; k++) samples->uv[k][i] = uv[k];
+  samples->depth[i] = 1 - point[2];
+  return true;
+}
+
 static void fill_sphere(const StyGuide *guide, unsigned groups) {
-  const StyImage *image = guide->image;
   const StyKernels *kernels = sty_get_kernels();
   StySamples samples = get_plain_samples();
-  for (int y = 0; y < image->height; y += STY_BLOCK_HEIGHT)
-    for (int x = 0; x < image->width; x += STY_BLOCK_WIDTH) {
-      int valid[STY_LANES];
-      EACH_LANE {
-        double point[3], uv[2] = {0, 0};
-        valid[i] = find_point(image, x + i % STY_BLOCK_WIDTH, y + i / STY_BLOCK_WIDTH, point) ? -1 : 0;
-        if (valid[i] && groups & STY_GUIDE_UV) sty_get_sphere_uv(point, 1, uv);
-        for (int k = 0; k < 3; k++) samples.normal[k][i] = samples.position[k][i] = point[k];
-        for (int k = 0; k < 2; k++) samples.uv[k][i] = uv[k];
-        samples.depth[i] = 1 - point[2];
+  StyStrip strip;
+  for (int y = 0; y < guide->image->height; y += STY_BLOCK_HEIGHT)
+    for (int x0 = 0; x0 < guide->image->width; x0 += STY_STRIP_WIDTH) {
+      for (int x = 0; x < STY_STRIP_WIDTH; x += STY_BLOCK_WIDTH) {
+        int valid[STY_LANES];
+        EACH_LANE {
+          const int column = x0 + x + i % STY_BLOCK_WIDTH, row = y + i / STY_BLOCK_WIDTH;
+          valid[i] = look_at_pixel(guide->image, column, row, groups, i, &samples) ? -1 : 0;
+        }
+        kernels->set_samples(&guide->channels, x, valid, &samples, &strip);
       }
-      kernels->set_samples(guide, x, y, valid, &samples);
+      sty_write_strip(&strip, x0, y, guide);
     }
 }
 
 static StyStatus draw_contours(const StyGuide *guide, StyError *error) {
   StyGuide sources;
   const StyImage *image = guide->image;
-  StyStatus status = sty_create_guide(image->width, image->height, STY_CONTOUR_SOURCES, &sources, error);
+  const StyStatus status = sty_create_guide(image->width, image->height, STY_CONTOUR_SOURCES, &sources, error);
   if (status) return status;
   fill_sphere(&sources, STY_CONTOUR_SOURCES);
   const StyContours contours = {.sources = sources.image,
@@ -54,9 +64,9 @@ static StyStatus draw_contours(const StyGuide *guide, StyError *error) {
                                 .is_bottom = true,
                                 .weights = &sty_default_contour,
                                 .footprint = {2.0 / image->height, 0}};
-  status = sty_draw_contours(&contours, NULL, error);
+  sty_draw_contours(&contours, 1);
   sty_destroy_image(&sources.image);
-  return status;
+  return STY_OK;
 }
 
 StyStatus sty_make_sphere_guide(int width, int height, unsigned groups, StyImage **out, StyError *error) {

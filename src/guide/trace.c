@@ -14,7 +14,7 @@
 #include "scene/points.h"
 #include "scene/vector.h"
 
-enum { TILE = 32 }; /* pixels, whole blocks */
+enum { TILE = STY_STRIP_WIDTH }; /* pixels, whole blocks */
 
 /* Orthographic rays start this far behind the eye's plane (trace units), so
  * that a surface that touches the plane isn't missed. */
@@ -34,11 +34,12 @@ typedef struct Render {
   StyFilm film;
   double *places; /* the film's columns and rows; owned */
   StySight sight;
-  unsigned groups;    /* what is asked for, and what that takes */
+  unsigned groups; /* what is asked for, and what that takes */
+  StyChannels channels;
   unsigned parts;     /* StyHitPart */
   StyPathWorld world; /* for light paths */
   double width;       /* of a pixel at depth 1, or at any for an orthographic camera; scene units */
-  StyGuide sources;   /* what a band's outlines are made from, with a block more above and below; owned */
+  StyGuide sources;   /* what a band's outlines are made from: the row above it, its own, a block below it; owned */
 } Render;
 
 /* ---- pixels ---- */
@@ -92,14 +93,15 @@ static void see_motion(const Render *render, const StyHits *hits, int i, StyLane
 typedef struct Band {
   const Render *render;
   const StyGuide *guide;
-  int first;     /* its first row in the picture, even: blocks then hold the same pixels in whatever band */
-  int top, rows; /* what is traced of the picture: those, and around them what outlines need */
+  int first; /* its first row in the picture, even: blocks then hold the same pixels in whatever band */
+  int rows;  /* that are traced: its own, and below them what outlines need */
 } Band;
 
-/* What a tile's blocks are worked out in, one after the other. */
+/* What a tile's blocks are worked out in, one after the other, and go into. */
 typedef struct Bench {
   StyBlock block;
   StySamples samples;
+  StyStrip strip;
 } Bench;
 
 /* False: the block's pixels show nothing. */
@@ -124,8 +126,8 @@ static bool look_at_block(const Render *render, int x, int y, Bench *bench) {
   return true;
 }
 
-/* The row of the sources where a row of the picture is. */
-static int find_source_row(const Band *band, int y) { return y - band->first + STY_BLOCK_HEIGHT; }
+/* Rows of the sources before those of the band. */
+enum { ROWS_ABOVE = 1 };
 
 static int count_tiles(int side) { return (side + TILE - 1) / TILE; }
 
@@ -133,58 +135,66 @@ static StyStatus trace_tile(void *context, long tile, StyError *error) {
   (void)error;
   const Band *band = context;
   const Render *render = band->render;
-  const bool outlined = render->groups & STY_GUIDE_CONTOUR;
   const int width = render->options->width, columns = count_tiles(width);
-  const int x0 = (int)(tile % columns) * TILE, y0 = band->top + (int)(tile / columns) * TILE;
-  const int right = x0 + TILE < width ? x0 + TILE : width;
-  const int bottom = y0 + TILE < band->top + band->rows ? y0 + TILE : band->top + band->rows;
-  Bench bench = {0};
+  const int x0 = (int)(tile % columns) * TILE, y0 = (int)(tile / columns) * TILE;
+  const int right = x0 + TILE < width ? x0 + TILE : width, bottom = y0 + TILE < band->rows ? y0 + TILE : band->rows;
+  Bench bench;
+  memset(&bench.block, 0, sizeof bench.block);
+  memset(&bench.samples, 0, sizeof bench.samples);
   EACH_LANE bench.samples.coverage[i] = 1;
-  sty_clear_pixels(band->guide, x0, y0 - band->first, right - x0, bottom - y0);
-  if (outlined) sty_clear_pixels(&render->sources, x0, find_source_row(band, y0), right - x0, bottom - y0);
-  for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT)
-    for (int x = x0; x < right; x += STY_BLOCK_WIDTH) {
-      if (!look_at_block(render, x, y, &bench)) continue;
-      const int *valid = bench.block.valid;
-      render->kernels->set_samples(band->guide, x, y - band->first, valid, &bench.samples);
-      if (outlined) render->kernels->set_samples(&render->sources, x, find_source_row(band, y), valid, &bench.samples);
-    }
+  for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT) {
+    sty_clear_strip(&render->channels, &bench.strip);
+    for (int x = x0; x < right; x += STY_BLOCK_WIDTH)
+      if (look_at_block(render, x, band->first + y, &bench))
+        render->kernels->set_samples(&render->channels, x - x0, bench.block.valid, &bench.samples, &bench.strip);
+    sty_write_strip(&bench.strip, x0, y, band->guide);
+    if (render->sources.image) sty_write_strip(&bench.strip, x0, y + ROWS_ABOVE, &render->sources);
+  }
   return STY_OK;
 }
 
-static StyStatus draw_contours(const Band *band, const StyRun *run, StyError *error) {
+static void draw_contours(const Band *band, int threads) {
   const Render *render = band->render;
   const bool perspective = render->camera->perspective;
   const StyContours contours = {.sources = render->sources.image,
                                 .drawn = band->guide->image,
-                                .first = find_source_row(band, band->first),
+                                .first = ROWS_ABOVE,
                                 .is_top = band->first == 0,
                                 .is_bottom = band->first + band->guide->image->height == render->options->height,
                                 .weights = &render->options->contour,
                                 .footprint = {perspective ? 0 : render->width, perspective ? render->width : 0}};
-  return sty_draw_contours(&contours, run, error);
+  sty_draw_contours(&contours, threads);
 }
 
-/* The band's rows and a block more above and below, as far as the picture has them. */
-static StyStatus trace_outlined(Render *render, Band *band, const StyRun *run, StyError *error) {
-  const int rows = band->guide->image->height, bottom = band->first + rows + STY_BLOCK_HEIGHT;
+/* The row above a band is the last of the one before. */
+static void keep_last_row(const StyGuide *sources, int rows) {
+  const size_t width = (size_t)sources->image->width;
+  for (int c = 0; c < sources->channels.count; c++)
+    memcpy(sources->planes[c], sources->planes[c] + (size_t)rows * width, width * sizeof(float));
+}
+
+/* What a band's outlines take beside its own rows. */
+static StyStatus prepare_outlines(Render *render, Band *band, StyError *error) {
+  const int width = render->options->width, below = render->options->height - band->first - band->rows;
   StyStatus status = STY_OK;
-  if (!render->sources.image) /* the first band is as high as any */
-    status = sty_create_guide(render->options->width, rows + 2 * STY_BLOCK_HEIGHT, STY_CONTOUR_SOURCES,
-                              &render->sources, error);
-  band->top = band->first > 0 ? band->first - STY_BLOCK_HEIGHT : 0;
-  band->rows = (bottom < render->options->height ? bottom : render->options->height) - band->top;
-  const long tiles = (long)count_tiles(render->options->width) * count_tiles(band->rows);
-  if (!status) status = sty_parallel_for(run, tiles, trace_tile, band, error);
-  return status ? status : draw_contours(band, run, error);
+  if (band->first == 0) /* and no other is higher */
+    status = sty_create_guide(width, ROWS_ABOVE + band->rows + STY_BLOCK_HEIGHT, STY_CONTOUR_SOURCES, &render->sources,
+                              error);
+  else
+    keep_last_row(&render->sources, render->sources.image->height - ROWS_ABOVE - STY_BLOCK_HEIGHT);
+  band->rows += below < STY_BLOCK_HEIGHT ? below : STY_BLOCK_HEIGHT;
+  return status;
 }
 
 static StyStatus trace_band(void *context, int first, const StyGuide *guide, const StyRun *run, StyError *error) {
   Render *render = context;
-  Band band = {.render = render, .guide = guide, .first = first, .top = first, .rows = guide->image->height};
-  if (render->groups & STY_GUIDE_CONTOUR) return trace_outlined(render, &band, run, error);
+  const bool outlined = render->groups & STY_GUIDE_CONTOUR;
+  Band band = {.render = render, .guide = guide, .first = first, .rows = guide->image->height};
+  StyStatus status = outlined ? prepare_outlines(render, &band, error) : STY_OK;
   const long tiles = (long)count_tiles(guide->image->width) * count_tiles(band.rows);
-  return sty_parallel_for(run, tiles, trace_tile, &band, error);
+  if (!status) status = sty_parallel_for(run, tiles, trace_tile, &band, error);
+  if (!status && outlined) draw_contours(&band, sty_get_threads(run));
+  return status;
 }
 
 /* ---- the whole ---- */
@@ -236,6 +246,7 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
   if (!status) status = check_options(scene, options, error);
   render->groups = options->groups;
   if (options->groups & STY_GUIDE_CONTOUR) render->groups |= STY_CONTOUR_SOURCES;
+  render->channels = sty_list_channels(render->groups);
   render->parts = get_parts(render->groups, scene);
   render->kernels = sty_get_kernels();
   render->sight = (StySight){scene, render->camera, render->groups, options->flat, options->ray_frame};
