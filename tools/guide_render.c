@@ -1,6 +1,7 @@
 /* From a scene to the guide's file. */
 #include "guide_render.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,19 +16,21 @@ typedef struct Shot {
 } Shot;
 
 /* A scene file, or a mesh that stands alone. */
-static StyStatus read_scene(const GuideArguments *arguments, const char *path, StyScene **scene,
+static StyStatus read_scene(const GuideArguments *arguments, const char *path, const StyRun *run, StyScene **scene,
                             StyViewpoint *viewpoint, StyError *error) {
-  if (sty_is_scene_file(path)) return sty_read_scene(path, &arguments->mesh_options, scene, viewpoint, error);
+  const StyMeshOptions options = {.crease_angle = arguments->crease_angle, .run = run};
+  if (sty_is_scene_file(path)) return sty_read_scene(path, &options, scene, viewpoint, error);
   StyMesh *mesh = NULL;
   *viewpoint = (StyViewpoint){.is_fit = true, .view = arguments->view};
-  const StyStatus status = sty_read_mesh(path, &arguments->mesh_options, &mesh, error);
+  const StyStatus status = sty_read_mesh(path, &options, &mesh, error);
   return status ? status : sty_wrap_mesh(&mesh, scene, error);
 }
 
-static StyStatus open_shot(const GuideArguments *arguments, const char *path, Shot *out, StyError *error) {
+static StyStatus open_shot(const GuideArguments *arguments, const char *path, const StyRun *run, Shot *out,
+                           StyError *error) {
   StyViewpoint viewpoint;
   Shot shot = {0};
-  StyStatus status = read_scene(arguments, path, &shot.scene, &viewpoint, error);
+  StyStatus status = read_scene(arguments, path, run, &shot.scene, &viewpoint, error);
   if (!status)
     status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
   if (status)
@@ -136,7 +139,7 @@ static StyStatus prepare_meshes(Work *work, StyError *error) {
 static StyStatus trace_scene(Work *work, StyError *error) {
   const GuideArguments *arguments = work->arguments;
   const StyTraceOptions trace = get_trace_options(work);
-  const StyRun run = begin_progress(&arguments->options, "tracing");
+  const StyRun run = begin_progress(&arguments->options, "building");
   const StyStatus status = sty_trace_rows(work->shot.scene, &work->shot.camera, &trace, &run,
                                           &(StyRowSink){take_rows, work}, &work->trace, error);
   end_progress(&arguments->options);
@@ -146,8 +149,10 @@ static StyStatus trace_scene(Work *work, StyError *error) {
 static StyStatus open_shots(Work *work, StyError *error) {
   const GuideArguments *arguments = work->arguments;
   const double start = sty_get_milliseconds();
-  StyStatus status = open_shot(arguments, arguments->mesh, &work->shot, error);
-  if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &work->previous, error);
+  const StyRun run = begin_progress(&arguments->options, "reading");
+  StyStatus status = open_shot(arguments, arguments->mesh, &run, &work->shot, error);
+  if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &run, &work->previous, error);
+  end_progress(&arguments->options);
   work->read_ms = sty_get_milliseconds() - start;
   return status ? status : prepare_meshes(work, error);
 }
@@ -161,6 +166,17 @@ static StyStatus draw_sphere(Work *work, StyError *error) {
   return status;
 }
 
+/* Of all meshes, and of the process that took most to import one. */
+static void count_mesh_bytes(const Work *work, double *meshes, double *import) {
+  const StyScene *scenes[] = {work->shot.scene, work->previous.scene};
+  *meshes = *import = 0;
+  for (int s = 0; s < 2; s++)
+    for (int m = 0; scenes[s] && m < scenes[s]->mesh_count; m++) {
+      *meshes += sty_get_mesh_bytes(scenes[s]->meshes[m]);
+      *import = fmax(*import, scenes[s]->meshes[m]->import_bytes);
+    }
+}
+
 static StyStatus print_report(const Work *work, StyError *error) {
   static const char *const stages[] = {"read", "build", "first", "trace", "write"};
   const GuideArguments *arguments = work->arguments;
@@ -168,14 +184,17 @@ static StyStatus print_report(const Work *work, StyError *error) {
                           work->write_ms};
   const double pixels = (double)arguments->width * arguments->height;
   const double rate = work->trace.trace_ms > 0 ? pixels / work->trace.trace_ms / 1e3 : 0;
+  double mesh_bytes, import_bytes;
+  count_mesh_bytes(work, &mesh_bytes, &import_bytes);
   if (!work->covered)
     warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
          clean_text(arguments->options.output));
   if (arguments->options.json) {
-    json_t *report =
-        json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size", arguments->width,
-                  arguments->height, "covered", (json_int_t)work->covered, "triangles", (json_int_t)work->triangles,
-                  "time_ms", pack_times(stages, times, 5), "mrays_per_s", rate, "peak_bytes", get_peak_bytes());
+    json_t *report = json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f, s:f, s:f, s:f}", "schema", "stylut-guide/1",
+                               "size", arguments->width, arguments->height, "covered", (json_int_t)work->covered,
+                               "triangles", (json_int_t)work->triangles, "time_ms", pack_times(stages, times, 5),
+                               "mrays_per_s", rate, "mesh_bytes", mesh_bytes, "import_bytes", import_bytes,
+                               "tree_bytes", work->trace.tree_bytes, "peak_bytes", get_peak_bytes());
     if (arguments->repair || arguments->simplify) json_object_set_new(report, "repair", pack_repair(&work->repair));
     if (arguments->simplify) json_object_set_new(report, "simplify", pack_simplification(&work->simplification));
     return print_json(report, error);

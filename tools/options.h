@@ -84,7 +84,8 @@ void warn(const Options *options, const char *format, ...) __attribute__((format
 /* Prints the line for a failed command and frees what Options hold. */
 StyStatus finish_command(Options *options, StyStatus status);
 
-/* Threads and progress for long work; `stage` is shown. End with end_progress. */
+/* Threads and progress for long work, of which `stage` is the first part: how much of that is done, and how long it
+ * will still take at its pace. End with end_progress. */
 StyRun begin_progress(const Options *options, const char *stage);
 void end_progress(const Options *options);
 

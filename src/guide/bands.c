@@ -47,17 +47,6 @@ static int choose_rows(const StyBands *bands) {
   return rows < (size_t)bands->height ? (int)rows : bands->height;
 }
 
-/* The run's progress, of which a band is a part. */
-typedef struct Share {
-  const StyRun *run;
-  double done, part;
-} Share;
-
-static void report_share(void *context, double done) {
-  const Share *share = context;
-  share->run->progress(share->run->context, share->done + done * share->part);
-}
-
 /* A band to be filled: rows that have arrived before, whose memory is at hand, or new ones. */
 static StyStatus open_band(const StyBands *bands, int rows, StyImage **spare, StyGuide *out, StyError *error) {
   if (!*spare || (*spare)->height != rows) return sty_create_guide(bands->width, rows, bands->groups, out, error);
@@ -68,8 +57,8 @@ static StyStatus open_band(const StyBands *bands, int rows, StyImage **spare, St
 
 static StyStatus make_band(const StyBands *bands, int first, int rows, const StyRun *run, StyImage **spare,
                            StyImage **out, StyError *error) {
-  Share share = {run, (double)first / bands->height, (double)rows / bands->height};
-  const StyRun own = {sty_get_threads(run), run && run->progress ? report_share : NULL, &share};
+  StyShare share = {run, (double)first / bands->height, (double)rows / bands->height};
+  const StyRun own = sty_share_run(&share);
   StyGuide band = {0};
   StyStatus status = open_band(bands, rows, spare, &band, error);
   if (!status) status = bands->fill(bands->context, first, &band, &own, error);
