@@ -47,10 +47,11 @@ static inline void normalize_lanes(StyLane *vectors) {
 static void make_rays(const StyFilm *film, int x, int y, StyRays *restrict rays) {
   const StyCamera *camera = film->camera;
   StyLane s, t;
-  SIMD_LANES {
-    s[i] = film->columns[x + i % STY_BLOCK_WIDTH];
-    t[i] = film->rows[y + i / STY_BLOCK_WIDTH];
-  }
+  for (int row = 0; row < STY_BLOCK_HEIGHT; row++)
+    for (int column = 0; column < STY_BLOCK_WIDTH; column++) {
+      s[row * STY_BLOCK_WIDTH + column] = film->columns[x + column];
+      t[row * STY_BLOCK_WIDTH + column] = film->rows[y + row];
+    }
   for (int k = 0; k < 3; k++) {
     const double right = camera->right[k], up = camera->up[k], back = camera->back[k], start = film->start[k];
     if (camera->perspective) {

@@ -5,14 +5,8 @@
 
 #include "guide/channels.h"
 #include "guide/contour.h"
+#include "guide/film.h"
 #include "guide/rays.h"
-
-/* A camera's film: the coordinates of pixel columns and rows, as many as whole blocks have. */
-typedef struct StyFilm {
-  const StyCamera *camera;
-  double start[3];              /* of the ray through the film's middle */
-  const double *columns, *rows; /* s and t, see StyCamera */
-} StyFilm;
 
 /* The triangles that eight rays meet, as their meshes have them. */
 typedef struct StyTriangles {

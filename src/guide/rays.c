@@ -46,7 +46,8 @@ static void name_owner(const StyPlaced *placed, int i, StyHits *hits) {
 /* All of a block that met triangles, together; other lanes take the first one's triangle, to no end. */
 static void hit_triangles(const StyTracer *tracer, const StyRays *rays, const struct RTCRayHit8 *packet, unsigned parts,
                           const bool *is_triangle, StyHits *hits) {
-  StyTriangles triangles = {.is_moved = false};
+  StyTriangles triangles; /* only what the parts take is set */
+  triangles.is_moved = false;
   const StyPlaced *placed[STY_RAYS];
   int first = 0;
   while (!is_triangle[first]) first++;

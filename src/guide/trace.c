@@ -16,10 +16,6 @@
 
 enum { TILE = STY_STRIP_WIDTH }; /* pixels, whole blocks */
 
-/* Orthographic rays start this far behind the eye's plane (trace units), so
- * that a surface that touches the plane isn't missed. */
-static const double START_SLACK = 1.0 / 1024;
-
 /* Embree aborts on absurd origins; a camera near the scene is far below this. */
 static const double LARGEST_CAMERA = 1e6;
 
@@ -32,7 +28,6 @@ typedef struct Render {
   const StyTraceOptions *options;
   const StyKernels *kernels;
   StyFilm film;
-  double *places; /* the film's columns and rows; owned */
   StySight sight;
   unsigned groups; /* what is asked for, and what that takes */
   StyChannels channels;
@@ -44,45 +39,15 @@ typedef struct Render {
 
 /* ---- pixels ---- */
 
-/* Film coordinates along a side of `count` pixels, from -half to half. */
-static double get_film(int pixel, int count, double half) { return ((pixel + 0.5) / count * 2 - 1) * half; }
-
-static int round_up(int count, int step) { return (count + step - 1) / step * step; }
-
-static StyStatus open_film(Render *render, StyError *error) {
-  const StyCamera *camera = render->camera;
-  const int width = render->options->width, height = render->options->height;
-  const int columns = round_up(width, STY_BLOCK_WIDTH), rows = round_up(height, STY_BLOCK_HEIGHT);
-  const size_t bytes = ((size_t)columns + (size_t)rows) * sizeof *render->places;
-  double *places = render->places = malloc(bytes);
-  if (!places) return sty_fail_memory(error, "guide", (double)bytes);
-  for (int x = 0; x < columns; x++) places[x] = get_film(x, width, camera->half_width);
-  for (int y = 0; y < rows; y++) places[columns + y] = -get_film(y, height, camera->half_height);
-  render->film = (StyFilm){.camera = camera, .columns = places, .rows = places + columns};
-  for (int k = 0; k < 3; k++)
-    render->film.start[k] = camera->eye[k] + (camera->perspective ? 0 : START_SLACK * camera->back[k]);
-  return STY_OK;
-}
-
-/* Where a point of trace space is on the film, in pixels; false: behind the camera. The inverse of make_rays. */
-static bool project(const StyCamera *camera, const StyTraceOptions *options, const double at[3], double pixel[2]) {
-  double from[3];
-  subtract_vectors(at, camera->eye, from);
-  const double depth = camera->perspective ? -dot_vectors(from, camera->back) : 1;
-  if (!(depth > 0)) return false;
-  const double s = dot_vectors(from, camera->right) / depth, t = dot_vectors(from, camera->up) / depth;
-  pixel[0] = (s / camera->half_width + 1) / 2 * options->width;
-  pixel[1] = (1 - t / camera->half_height) / 2 * options->height;
-  return true;
-}
-
 static void see_motion(const Render *render, const StyHits *hits, int i, StyLane motion[2]) {
   const StyPrevious *previous = &render->options->previous;
+  const int width = render->options->width, height = render->options->height;
   double now[2], then[2], here[3], there[3];
   motion[0][i] = motion[1][i] = 0;
   sty_get_lane(hits->at, i, here);
   sty_follow_hit(render->scene, hits, i, previous->scene, there);
-  if (!project(render->camera, render->options, here, now) || !project(previous->camera, render->options, there, then))
+  if (!sty_project_point(render->camera, width, height, here, now) ||
+      !sty_project_point(previous->camera, width, height, there, then))
     return;
   for (int k = 0; k < 2; k++) motion[k][i] = then[k] - now[k];
 }
@@ -144,7 +109,8 @@ static StyStatus trace_tile(void *context, long tile, StyError *error) {
   EACH_LANE bench.samples.coverage[i] = 1;
   for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT) {
     sty_clear_strip(&render->channels, &bench.strip);
-    for (int x = x0; x < right; x += STY_BLOCK_WIDTH)
+    const bool in_sight = sty_is_in_sight(&render->film, x0, band->first + y, TILE, STY_BLOCK_HEIGHT);
+    for (int x = x0; in_sight && x < right; x += STY_BLOCK_WIDTH)
       if (look_at_block(render, x, band->first + y, &bench))
         render->kernels->set_samples(&render->channels, x - x0, bench.block.valid, &bench.samples, &bench.strip);
     sty_write_strip(&bench.strip, x0, y, band->guide);
@@ -254,7 +220,7 @@ static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *t
   if (!render->camera->perspective) render->width /= scene->scale;
   if (!status && options->groups & COLOURED)
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
-  if (!status) status = open_film(render, error);
+  if (!status) status = sty_open_film(scene, render->camera, options->width, options->height, &render->film, error);
   const double start = sty_get_milliseconds();
   if (!status) status = sty_open_tracer(scene, run, &render->tracer, error);
   times->build_ms = sty_get_milliseconds() - start;
@@ -270,7 +236,7 @@ static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *t
 }
 
 static void close_render(Render *render) {
-  free(render->places);
+  sty_close_film(&render->film);
   sty_destroy_image(&render->sources.image);
   sty_close_tracer(&render->tracer);
   sty_close_palette(&render->palette);

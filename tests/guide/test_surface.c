@@ -2,7 +2,6 @@
 #include <math.h>
 
 #include "../scene/scratch.h"
-#include "guide/contour.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 
@@ -353,30 +352,6 @@ static void test_steps_and_edges(void **state) {
   close_all(&scene, &guide);
 }
 
-/* Bands are the whole: outlines drawn over them all at once are the same. */
-static void test_bands_are_the_whole(void **state) {
-  char *tube = print_tube(2);
-  StyScene *scene = open_scene();
-  add_object(scene, add_mesh(*state, scene, tube, 90), 0, 0, 0);
-  add_object(scene, add_mesh(*state, scene, CUBE_OBJ, 30), 0.7, 0, -1);
-  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
-  const StyTraceOptions options = {
-      .width = 37, .height = 677, .groups = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH | STY_GUIDE_CONTOUR, .contour = {1, 1}};
-  const StyStand stand = {.position = {3, 2, 5}, .up = {0, 1, 0}, .height = 5};
-  StyImage *guide = trace(scene, &stand, &options);
-  const size_t count = sty_count_pixels(guide);
-  float *contour = sty_find_channel(guide, "contour.Y"), *kept = malloc(count * sizeof *kept);
-  memcpy(kept, contour, count * sizeof *kept);
-  memset(contour, 0, count * sizeof *kept);
-  const StyGuide whole = {.image = guide, .coverage = sty_find_channel(guide, "A")};
-  const StyFootprint footprint = {5.0 / 677, 0};
-  assert_int_equal(sty_draw_contours(&whole, &options.contour, &footprint, NULL, NULL), STY_OK);
-  for (size_t i = 0; i < count; i++) assert_true(fabsf(kept[i] - contour[i]) < 1e-6f);
-  free(kept);
-  free(tube);
-  close_all(&scene, &guide);
-}
-
 /* ---- motion --------------------------------------------------------------------- */
 
 static StyImage *trace_motion(const StyScene *now, const StyScene *then, const StyStand *from, const StyStand *to) {
@@ -518,7 +493,6 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_curvature_of_meshes, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_planes_have_no_outline, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_steps_and_edges, open_scratch, close_scratch),
-      cmocka_unit_test_setup_teardown(test_bands_are_the_whole, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_objects_move, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_camera_moves, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_meshes_bend, open_scratch, close_scratch),
