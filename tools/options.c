@@ -443,16 +443,20 @@ void end_progress(const Options *options) {
 
 /* ---- reports ---- */
 
-/* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
-double get_peak_bytes(void) {
+static double read_memory_line(const char *format) {
   FILE *stream = fopen("/proc/self/status", "r");
   char line[256];
   double kilobytes = 0;
   while (stream && fgets(line, sizeof line, stream))
-    if (sscanf(line, "VmHWM: %lf kB", &kilobytes) == 1) break;
+    if (sscanf(line, format, &kilobytes) == 1) break;
   if (stream) fclose(stream);
   return kilobytes * 1024;
 }
+
+/* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
+double get_peak_bytes(void) { return read_memory_line("VmHWM: %lf kB"); }
+
+double get_held_bytes(void) { return read_memory_line("VmRSS: %lf kB"); }
 
 StyStatus print_json(json_t *report, StyError *error) {
   const int failed = !report || json_dumpf(report, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) != 0;
@@ -481,18 +485,32 @@ json_t *make_json_text(const char *text) {
   return string;
 }
 
-StyStatus report_dry_run(Options *options, const char *format, ...) {
+static StyStatus print_plan(Options *options, json_t *figures, const char *format, va_list arguments) {
   char text[512];
-  va_list arguments;
-  va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
   if (options->json)
-    return print_json(json_pack("{s:s, s:o, s:o}", "schema", "stylut-dry-run/1", "output",
-                                make_json_text(options->output), "text", make_json_text(text)),
+    return print_json(json_pack("{s:s, s:o, s:o, s:o*}", "schema", "stylut-dry-run/1", "output",
+                                make_json_text(options->output), "text", make_json_text(text), "estimate", figures),
                       &options->error);
+  json_decref(figures);
   if (!options->quiet) printf("would write %s: %s\n", clean_text(options->output), clean_text(text));
   return STY_OK;
+}
+
+StyStatus report_dry_run(Options *options, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  const StyStatus status = print_plan(options, NULL, format, arguments);
+  va_end(arguments);
+  return status;
+}
+
+StyStatus report_estimate(Options *options, json_t *figures, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  const StyStatus status = print_plan(options, figures, format, arguments);
+  va_end(arguments);
+  return status;
 }
 
 json_t *pack_times(const char *const *stages, const double *milliseconds, int count) {

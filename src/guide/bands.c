@@ -41,10 +41,10 @@ static void start_delivery(Delivery *delivery, StyImage *rows) {
   if (!delivery->threaded) deliver(delivery);
 }
 
-static int choose_rows(const StyBands *bands) {
-  size_t rows = BAND_VALUES / ((size_t)bands->width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
+int sty_choose_band_rows(int width, int height) {
+  size_t rows = BAND_VALUES / ((size_t)width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
   rows = rows < ROW_STEP ? ROW_STEP : rows > MOST_ROWS ? MOST_ROWS : rows;
-  return rows < (size_t)bands->height ? (int)rows : bands->height;
+  return rows < (size_t)height ? (int)rows : height;
 }
 
 /* A band to be filled: rows that have arrived before, whose memory is at hand, or new ones. */
@@ -71,7 +71,7 @@ static StyStatus make_band(const StyBands *bands, int first, int rows, const Sty
 
 static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, double *first_ms,
                               StyError *error) {
-  const int step = choose_rows(bands);
+  const int step = sty_choose_band_rows(bands->width, bands->height);
   const double start = sty_get_milliseconds();
   for (int first = 0; first < bands->height; first += step) {
     const int rows = bands->height - first < step ? bands->height - first : step;
