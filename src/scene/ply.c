@@ -338,6 +338,9 @@ static StyStatus read_vertices(Reader *reader, const Element *element, StyError 
   StyMesh *mesh = reader->mesh;
   const unsigned long long held = (unsigned long long)(reader->ply.end - reader->ply.at) / layout->stride;
   if (held < element->count) return fail_short(reader->path, element, held, error);
+  if (element->count > 3 * STY_MAX_TRIANGLES)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %llu vertices, expected at most %zu", reader->path,
+                    element->count, 3 * STY_MAX_TRIANGLES);
   const size_t count = mesh->vertex_count = mesh->vertices_read = (size_t)element->count;
   mesh->positions = malloc((3 * count + 1) * sizeof *mesh->positions);
   if (layout->normal[0]) mesh->normals = malloc((3 * count + 1) * sizeof *mesh->normals);
