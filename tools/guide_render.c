@@ -226,10 +226,11 @@ static StyStatus plan_scene(Work *work) {
   const StyTraceOptions options = get_trace_options(work);
   const StyTraceEstimate e = sty_estimate_trace(work->shot.scene, &options);
   const double peak = estimate_peak(work, &e);
-  json_t *figures = json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "triangles", (json_int_t)work->triangles,
-                              "camera_rays", e.camera_rays, "paths", e.paths, "most_path_rays", e.path_rays,
-                              "most_shadow_rays", e.shadow_rays, "mesh_bytes", work->mesh_bytes, "read_bytes",
-                              work->read_bytes, "build_bytes", e.build_bytes, "peak_bytes", peak);
+  json_t *figures =
+      json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "triangles", (json_int_t)work->triangles,
+                "camera_rays", e.camera_rays, "paths", e.paths, "most_path_rays", e.path_rays, "most_shadow_rays",
+                e.shadow_rays, "mesh_bytes", work->mesh_bytes, "read_bytes", work->read_bytes, "build_bytes",
+                e.build_bytes, "tree_bytes", e.tree_bytes, "peak_bytes", peak);
   char paths[128] = "", shadows[64] = "";
   if (e.paths > 0) snprintf(paths, sizeof paths, ", %.0f light paths of at most %.0f", e.paths, e.path_rays);
   if (e.shadow_rays > 0) snprintf(shadows, sizeof shadows, ", at most %.0f for shadows", e.shadow_rays);

@@ -9,7 +9,7 @@ corpus=$(cd "$(dirname "$0")" && pwd)/corpus
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture}
+mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture,ply}
 rm -f "$corpus"/*/seed-*
 
 # number BYTES VALUE: little-endian
@@ -55,6 +55,27 @@ cat >"$corpus/pairs/seed-long.json" <<'END'
   "pairs": [ { "from": [0, 0], "to": [0.1, 0.2] }, { "to": [1e-1, 1], "from": [0, 1] },
              { "from": [1, 0], "to": [0.9, 0.1] }, { "from": [0.5, 0.5], "to": [0.4, 6e-1] } ] }
 END
+
+# Meshes: a tetrahedron in either order of bytes, one with normals and texture coordinates, one as text.
+zero='\x00\x00\x00\x00' little='\x00\x00\x80\x3f' big='\x3f\x80\x00\x00'
+faces='\x03\x00\x02\x01\x03\x00\x01\x03\x03\x01\x02\x03\x03\x02\x00\x03'
+plain=('property float x' 'property float y' 'property float z')
+ply() { # FORMAT PROPERTY...
+  printf '%s\n' ply "format $1 1.0" 'element vertex 4' "${@:2}" 'element face 4' \
+    'property list uchar uchar vertex_indices' end_header
+}
+# corners ONE TAIL: four points, each followed by TAIL.
+# shellcheck disable=SC2059 # escapes for bytes
+corners() { printf "$zero$zero$zero$2$1$zero$zero$2$zero$1$zero$2$zero$zero$1$2"; }
+# shellcheck disable=SC2059
+{
+  { ply binary_little_endian "${plain[@]}" && corners "$little" '' && printf "$faces"; } >"$corpus/ply/seed-little"
+  { ply binary_big_endian "${plain[@]}" && corners "$big" '' && printf "$faces"; } >"$corpus/ply/seed-big"
+  { ply binary_little_endian "${plain[@]}" 'property float '{nx,ny,nz,u,v} &&
+    corners "$little" "$zero$zero$little$zero$little" && printf "$faces"; } >"$corpus/ply/seed-normals"
+  { ply ascii "${plain[@]}" && printf '%s\n' '0 0 0' '1 0 0' '0 1 0' '0 0 1' '3 0 2 1' '3 0 1 3' '3 1 2 3' '3 2 0 3'; } \
+    >"$corpus/ply/seed-text"
+}
 
 # Bundles, as fuzz_bundle.c reads them. Jitter keeps what lies before its texels.
 for name in short long; do
