@@ -232,7 +232,7 @@ static StyStatus plan_scene(Work *work) {
                 e.shadow_rays, "mesh_bytes", work->mesh_bytes, "read_bytes", work->read_bytes, "build_bytes",
                 e.build_bytes, "tree_bytes", e.tree_bytes, "peak_bytes", peak);
   char paths[128] = "", shadows[64] = "";
-  if (e.paths > 0) snprintf(paths, sizeof paths, ", %.0f light paths of at most %.0f", e.paths, e.path_rays);
+  if (e.paths > 0) snprintf(paths, sizeof paths, ", %.0f light paths of at most %.0f rays", e.paths, e.path_rays);
   if (e.shadow_rays > 0) snprintf(shadows, sizeof shadows, ", at most %.0f for shadows", e.shadow_rays);
   return report_estimate(&work->arguments->options, figures,
                          "%dx%d pixels, %zu triangles; rays: %.0f from the camera%s%s; memory: about %.0f MB at its "

@@ -67,7 +67,7 @@ static const struct argp_option common_options[] = {
     {"verbose", 'v', NULL, 0, "say on stderr how long each stage took", 0},
     {"format", KEY_FORMAT, "text|json", 0, "how results are printed (default: text)", 0},
     {"progress", KEY_PROGRESS, "auto|bar|json|none", 0,
-     "progress of long work on stderr (default: a bar on a terminal)", 0},
+     "progress of long work on stderr, by stage, with the time left (default: a bar on a terminal)", 0},
     {"help", '?', NULL, 0, "print this and do nothing", 0},
     {"usage", KEY_USAGE, NULL, 0, "print the options alone and do nothing", 0},
     {0},

@@ -72,7 +72,7 @@ END
   accept guide scene scene.json -s 10x20 -c LD12E --spp 4 -o out.exr --dry-run --format json
   expect 'two bounces' "$(json - "$rays" <<<"$output")" '0 200 800 1600 2000'
   accept guide scene scene.json -s 10x20 -c LDE,luma --spp 4 -o out.exr --dry-run
-  expect_match text "$output" '^would write out.exr: 10x20 pixels, 0 triangles; rays: 200 from the camera, 800 light paths of at most 800, at most 800 for shadows; memory: about [0-9]+ MB at its most'
+  expect_match text "$output" '^would write out.exr: 10x20 pixels, 0 triangles; rays: 200 from the camera, 800 light paths of at most 800 rays, at most 800 for shadows; memory: about [0-9]+ MB at its most'
 }
 
 @test "stages of a large mesh have names, in order, and a time left" {

@@ -329,6 +329,28 @@ static void test_bad_arguments(void **state) {
   assert_int_equal(strncmp(sty_get_ray_library_version(), "Embree 3.", 9), 0);
 }
 
+/* ---- what is told while it lasts ---- */
+
+static void note_stage(void *context, const char *name) {
+  strcat(context, name);
+  strcat(context, " ");
+}
+
+static void test_stages(void **state) {
+  StyScene *scene = read_scene(*state, CUBE_OBJ, 30);
+  StyCamera camera;
+  StyImage *guide = NULL;
+  char stages[64] = "";
+  const StyView view = {.margin = 0.1};
+  const StyTraceOptions options = {.width = 8, .height = 8, .groups = STY_GUIDE_NORMAL};
+  const StyRun run = {.stage = note_stage, .context = stages};
+  assert_int_equal(sty_fit_camera(scene, &view, 8, 8, &camera, NULL), STY_OK);
+  assert_int_equal(sty_trace_guide(scene, &camera, &options, &run, NULL, &guide, NULL), STY_OK);
+  assert_string_equal(stages, "building tracing ");
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sphere),
@@ -340,6 +362,7 @@ int main(void) {
       cmocka_unit_test(test_objects_and_depth),
       cmocka_unit_test(test_only_what_is_asked_for),
       cmocka_unit_test(test_bad_arguments),
+      cmocka_unit_test(test_stages),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }

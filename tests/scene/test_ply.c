@@ -274,7 +274,11 @@ static void test_threads_change_nothing(void **state) {
     unlink(scratch->path);
   }
   free(text);
-  assert_true(meshes[0]->vertex_count > 160000); /* some were split */
+  assert_true(meshes[0]->vertex_count > 160000);         /* some were split */
+  for (size_t v = 0; v < meshes[0]->vertex_count; v++) { /* of every block */
+    const float *n = &meshes[0]->normals[3 * v];
+    assert_true(fabsf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1) < 1e-5F);
+  }
   assert_int_equal(meshes[0]->vertex_count, meshes[1]->vertex_count);
   assert_memory_equal(meshes[0]->indices, meshes[1]->indices, 3 * meshes[0]->triangle_count * sizeof(uint32_t));
   assert_memory_equal(meshes[0]->normals, meshes[1]->normals, 3 * meshes[0]->vertex_count * sizeof(float));
