@@ -28,8 +28,10 @@ static StyStatus open_shot(const GuideArguments *arguments, const char *path, Sh
   StyViewpoint viewpoint;
   Shot shot = {0};
   StyStatus status = read_scene(arguments, path, &shot.scene, &viewpoint, error);
-  if (!status)
+  if (!status) {
     status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
+    if (status) sty_fail(error, status, "%s: %s", path, error->text);
+  }
   if (status)
     sty_destroy_scene(&shot.scene);
   else

@@ -87,7 +87,7 @@ StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *e
   return STY_OK;
 }
 
-/* A volume within what doubles can tell from none. */
+/* A volume that floats, in which rays are cast, can tell from none. */
 static bool is_regular(const double m[3][4]) {
   double size = 1, cross[3];
   for (int i = 0; i < 3; i++)
@@ -96,7 +96,7 @@ static bool is_regular(const double m[3][4]) {
   cross_vectors(m[1], m[2], cross);
   const double volume = dot_vectors(m[0], cross);
   for (int i = 0; i < 3; i++) size *= sqrt(dot_vectors(m[i], m[i]));
-  return fabs(volume) > 1e-9 * size && isfinite(volume);
+  return fabs(volume) > 2e-7 * size && isfinite(volume);
 }
 
 StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error) {
@@ -224,6 +224,31 @@ static StyStatus set_trace_space(StyScene *scene, StyError *error) {
              : sty_fail(error, STY_ERROR_INPUT, "scene: found no extent, expected something to see");
 }
 
+/* The extent of an object in the direction where it is thinnest, as a share of the scene's: that of a mesh is 1 in its
+ * own trace space, and the inverse of the matrix enlarges by no more than its norm. */
+static double measure_thickness(const StyScene *scene, const StyObject *object) {
+  double m[3][4], cofactors[3][3], squared = 0;
+  sty_get_object_matrix(scene, object, m);
+  for (int i = 0; i < 3; i++) {
+    cross_vectors(m[(i + 1) % 3], m[(i + 2) % 3], cofactors[i]);
+    squared += dot_vectors(cofactors[i], cofactors[i]);
+  }
+  return fabs(dot_vectors(m[0], cofactors[0])) / sqrt(squared);
+}
+
+/* Embree brings rays to an object's own space, and aborts the program where they reach 1e18 there: more than
+ * STY_MAX_CAMERA over the thickness, with room to spare. */
+static StyStatus check_thickness(const StyScene *scene, StyError *error) {
+  for (int o = 0; o < scene->object_count; o++) {
+    const double thickness = measure_thickness(scene, &scene->objects[o]);
+    if (!(thickness >= STY_MIN_THICKNESS))
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "scene: found object %d only %.3g of the scene's size thick, expected at least %g", o + 1,
+                      thickness, STY_MIN_THICKNESS);
+  }
+  return STY_OK;
+}
+
 StyStatus sty_finish_scene(StyScene *scene, StyError *error) {
   if (scene->object_count + scene->sphere_count == 0)
     return sty_fail(error, STY_ERROR_INPUT, "scene: found nothing in it, expected an object or a sphere");
@@ -238,7 +263,8 @@ StyStatus sty_finish_scene(StyScene *scene, StyError *error) {
     return STY_OK;
   }
   measure_bounds(scene);
-  return set_trace_space(scene, error);
+  const StyStatus status = set_trace_space(scene, error);
+  return status ? status : check_thickness(scene, error);
 }
 
 StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error) {

@@ -9,7 +9,7 @@ corpus=$(cd "$(dirname "$0")" && pwd)/corpus
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture}
+mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture,ply,scene}
 rm -f "$corpus"/*/seed-*
 
 # number BYTES VALUE: little-endian
@@ -55,6 +55,51 @@ cat >"$corpus/pairs/seed-long.json" <<'END'
   "pairs": [ { "from": [0, 0], "to": [0.1, 0.2] }, { "to": [1e-1, 1], "from": [0, 1] },
              { "from": [1, 0], "to": [0.9, 0.1] }, { "from": [0.5, 0.5], "to": [0.4, 6e-1] } ] }
 END
+
+# Scenes, beside the mesh and the texture that fuzz_scene.c puts there.
+cat >"$corpus/scene/seed-short.json" <<'END'
+{ "schema": "stylut-scene/1", "spheres": [ {} ] }
+END
+cat >"$corpus/scene/seed-long.json" <<'END'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "perspective", "position": [1, 2, 6], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 50 },
+  "objects": [ { "mesh": "m.off", "transform": [1,0,0,-2, 0,1,0,0.5, 0,0,-1,0, 0,0,0,1], "style": 3,
+                 "color": [0.8, 0.3, 0.2], "specular": 0.5, "shininess": 20 }, { "mesh": "m.off" } ],
+  "spheres": [ { "center": [2, 0, 0], "radius": 0.7, "style": 255, "color": [1, 1, 0], "texture": "t.ppm" } ],
+  "lights": [ { "type": "directional", "direction": [-1, -1, -1], "intensity": 2, "color": [1, 1, 0.5] },
+              { "type": "point", "position": [0, 5, 0] } ],
+  "ambient": 0.2, "shadows": false }
+END
+cat >"$corpus/scene/seed-fit.json" <<'END'
+{ "schema": "stylut-scene/1", "camera": { "type": "fit", "view": "30,-20", "up": [0, 0, 1], "fov": 35 },
+  "spheres": [ { "center": [1e8, 0, 0], "radius": 3 }, { "center": [1e8, 2, 0], "radius": 1e-3 } ], "lights": [] }
+END
+cat >"$corpus/scene/seed-above.json" <<'END'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "orthographic", "position": [0, 9, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 1e-3 },
+  "spheres": [ { "texture": "t.ppm" } ], "shadows": true }
+END
+
+# Meshes: one tetrahedron in all encodings.
+points=('0 0 0' '1 0 0' '0 1 0' '0 0 1') faces=('0 2 1' '0 1 3' '0 3 2' '1 2 3')
+header() { # FORMAT TYPE-OF-COUNTS
+  printf '%s\n' ply "format $1 1.0" 'comment four' 'element vertex 4' 'property float x' 'property float y' \
+    'property float z' 'element face 4' "property list $2 int vertex_indices" end_header
+}
+{ header ascii uchar && printf '%s\n' "${points[@]}" "${faces[@]/#/3 }"; } >"$corpus/ply/seed-ascii.ply"
+# 1.0 is 0x3f800000; number writes lowest bytes first, so that for the other order they are swapped here.
+for order in little big; do
+  one=0x3f800000 three=3 shift=0
+  [ $order = little ] || one=0x803f three=0x300 shift=24
+  {
+    header binary_${order}_endian ushort
+    for point in "${points[@]}"; do for word in $point; do number 4 $((word * one)); done; done
+    for face in "${faces[@]}"; do
+      number 2 $three
+      for word in $face; do number 4 $((word << shift)); done
+    done
+  } >"$corpus/ply/seed-$order.ply"
+done
 
 # Bundles, as fuzz_bundle.c reads them. Jitter keeps what lies before its texels.
 for name in short long; do
