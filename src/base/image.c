@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+
 StyStatus sty_create_image(int width, int height, int channel_count, const char *const *names, int bits, StyImage **out,
                            StyError *error) {
   if (width < 1 || height < 1 || width > STY_MAX_SIDE || height > STY_MAX_SIDE ||
