@@ -187,7 +187,7 @@ run-demo: $(TOOL) $(MODULE)
 .PHONY: test run-tests
 test: ensure-test-packages ## run every test (under 15 minutes on two cores)
 	@$(MAKE) --no-print-directory run-tests
-run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/bench/pieces
+run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
 
 .PHONY: fuzz run-fuzz
@@ -202,6 +202,13 @@ bench: ensure-bench-packages ## speed and memory beside a reference in the same 
 .PHONY: run-bench
 run-bench: $(TOOL) $(MODULE) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/engines
 	@tests/bench/bench.sh $(BUILD)
+
+# A mesh that fills memory rather than time: 1 GB of disk, 7 GB of memory.
+.PHONY: giant run-giant
+giant: ensure-bench-packages ## a guide of 50 million triangles: time by stage, peak memory, build/giant/giant.exr
+	@$(MAKE) --no-print-directory run-giant
+run-giant: $(TOOL) $(MODULE) $(BUILD)/tests/bench/big_mesh
+	@tests/bench/giant.sh $(BUILD) build/giant
 
 # The libraries that ours is measured against.
 $(BUILD)/tests/bench/engines: $(BUILD)/tests/bench/peers.cpp.o

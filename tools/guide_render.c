@@ -1,6 +1,7 @@
 /* From a scene to the guide's file. */
 #include "guide_render.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,19 +16,21 @@ typedef struct Shot {
 } Shot;
 
 /* A scene file, or a mesh that stands alone. */
-static StyStatus read_scene(const GuideArguments *arguments, const char *path, StyScene **scene,
+static StyStatus read_scene(const GuideArguments *arguments, const char *path, const StyRun *run, StyScene **scene,
                             StyViewpoint *viewpoint, StyError *error) {
-  if (sty_is_scene_file(path)) return sty_read_scene(path, &arguments->mesh_options, scene, viewpoint, error);
+  const StyMeshOptions options = {.crease_angle = arguments->crease_angle, .run = run};
+  if (sty_is_scene_file(path)) return sty_read_scene(path, &options, scene, viewpoint, error);
   StyMesh *mesh = NULL;
   *viewpoint = (StyViewpoint){.is_fit = true, .view = arguments->view};
-  const StyStatus status = sty_read_mesh(path, &arguments->mesh_options, &mesh, error);
+  const StyStatus status = sty_read_mesh(path, &options, &mesh, error);
   return status ? status : sty_wrap_mesh(&mesh, scene, error);
 }
 
-static StyStatus open_shot(const GuideArguments *arguments, const char *path, Shot *out, StyError *error) {
+static StyStatus open_shot(const GuideArguments *arguments, const char *path, const StyRun *run, Shot *out,
+                           StyError *error) {
   StyViewpoint viewpoint;
   Shot shot = {0};
-  StyStatus status = read_scene(arguments, path, &shot.scene, &viewpoint, error);
+  StyStatus status = read_scene(arguments, path, run, &shot.scene, &viewpoint, error);
   if (!status) {
     status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
     if (status) sty_fail(error, status, "%s: %s", path, error->text);
@@ -46,6 +49,8 @@ typedef struct Work {
   StyImageWriter *writer; /* from the first rows on */
   size_t triangles, covered;
   double read_ms, write_ms;
+  double mesh_bytes; /* of all meshes */
+  double read_bytes; /* the most that this process, or one that imported, held until all were read */
   StyTraceTimes trace;
   StyRepair repair;
   StySimplification simplification;
@@ -138,18 +143,31 @@ static StyStatus prepare_meshes(Work *work, StyError *error) {
 static StyStatus trace_scene(Work *work, StyError *error) {
   const GuideArguments *arguments = work->arguments;
   const StyTraceOptions trace = get_trace_options(work);
-  const StyRun run = begin_progress(&arguments->options, "tracing");
+  const StyRun run = begin_progress(&arguments->options, "building");
   const StyStatus status = sty_trace_rows(work->shot.scene, &work->shot.camera, &trace, &run,
                                           &(StyRowSink){take_rows, work}, &work->trace, error);
   end_progress(&arguments->options);
   return status;
 }
 
+static void count_bytes(Work *work) {
+  const StyScene *scenes[] = {work->shot.scene, work->previous.scene};
+  work->read_bytes = get_peak_bytes();
+  for (int s = 0; s < 2; s++)
+    for (int m = 0; scenes[s] && m < scenes[s]->mesh_count; m++) {
+      work->mesh_bytes += sty_get_mesh_bytes(scenes[s]->meshes[m]);
+      work->read_bytes = fmax(work->read_bytes, scenes[s]->meshes[m]->import_bytes);
+    }
+}
+
 static StyStatus open_shots(Work *work, StyError *error) {
   const GuideArguments *arguments = work->arguments;
   const double start = sty_get_milliseconds();
-  StyStatus status = open_shot(arguments, arguments->mesh, &work->shot, error);
-  if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &work->previous, error);
+  const StyRun run = begin_progress(&arguments->options, "reading");
+  StyStatus status = open_shot(arguments, arguments->mesh, &run, &work->shot, error);
+  if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &run, &work->previous, error);
+  end_progress(&arguments->options);
+  count_bytes(work);
   work->read_ms = sty_get_milliseconds() - start;
   return status ? status : prepare_meshes(work, error);
 }
@@ -174,10 +192,11 @@ static StyStatus print_report(const Work *work, StyError *error) {
     warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
          clean_text(arguments->options.output));
   if (arguments->options.json) {
-    json_t *report =
-        json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f}", "schema", "stylut-guide/1", "size", arguments->width,
-                  arguments->height, "covered", (json_int_t)work->covered, "triangles", (json_int_t)work->triangles,
-                  "time_ms", pack_times(stages, times, 5), "mrays_per_s", rate, "peak_bytes", get_peak_bytes());
+    json_t *report = json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f, s:f, s:f, s:f}", "schema", "stylut-guide/1",
+                               "size", arguments->width, arguments->height, "covered", (json_int_t)work->covered,
+                               "triangles", (json_int_t)work->triangles, "time_ms", pack_times(stages, times, 5),
+                               "mrays_per_s", rate, "mesh_bytes", work->mesh_bytes, "read_bytes", work->read_bytes,
+                               "tree_bytes", work->trace.tree_bytes, "peak_bytes", get_peak_bytes());
     if (arguments->repair || arguments->simplify) json_object_set_new(report, "repair", pack_repair(&work->repair));
     if (arguments->simplify) json_object_set_new(report, "simplify", pack_simplification(&work->simplification));
     return print_json(report, error);
@@ -195,13 +214,41 @@ static StyStatus print_report(const Work *work, StyError *error) {
   return STY_OK;
 }
 
+/* What writing takes: OpenImageIO itself, and rows as it wants them beside the bands. */
+static const double WRITER_BYTES = 130e6, WRITER_BANDS = 1.5;
+
+/* Reading is done, so that its share is known; then the tree is built, and then rows are written beside it. */
+static double estimate_peak(const Work *work, const StyTraceEstimate *trace) {
+  const double held = get_held_bytes(), writing = WRITER_BYTES + (1 + WRITER_BANDS) * trace->band_bytes;
+  return fmax(work->read_bytes, held + fmax(trace->build_bytes, trace->tree_bytes + writing));
+}
+
+static StyStatus plan_scene(Work *work) {
+  const GuideArguments *arguments = work->arguments;
+  const StyTraceOptions options = get_trace_options(work);
+  const StyTraceEstimate e = sty_estimate_trace(work->shot.scene, &options);
+  const double peak = estimate_peak(work, &e);
+  json_t *figures = json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "triangles", (json_int_t)work->triangles,
+                              "camera_rays", e.camera_rays, "paths", e.paths, "most_path_rays", e.path_rays,
+                              "most_shadow_rays", e.shadow_rays, "mesh_bytes", work->mesh_bytes, "read_bytes",
+                              work->read_bytes, "build_bytes", e.build_bytes, "peak_bytes", peak);
+  char paths[128] = "", shadows[64] = "";
+  if (e.paths > 0) snprintf(paths, sizeof paths, ", %.0f light paths of at most %.0f", e.paths, e.path_rays);
+  if (e.shadow_rays > 0) snprintf(shadows, sizeof shadows, ", at most %.0f for shadows", e.shadow_rays);
+  return report_estimate(&work->arguments->options, figures,
+                         "%dx%d pixels, %zu triangles; rays: %.0f from the camera%s%s; memory: about %.0f MB at its "
+                         "most, of which meshes %.0f, their tree while it is built %.0f",
+                         arguments->width, arguments->height, work->triangles, e.camera_rays, paths, shadows,
+                         peak / 1e6, work->mesh_bytes / 1e6, e.build_bytes / 1e6);
+}
+
 static StyStatus render(Work *work, StyError *error) {
   GuideArguments *arguments = work->arguments;
   StyStatus status = arguments->mesh ? open_shots(work, error) : STY_OK;
   if (status) return status;
   if (arguments->options.dry_run)
-    return report_dry_run(&arguments->options, "%dx%d pixels, %zu triangles", arguments->width, arguments->height,
-                          work->triangles);
+    return arguments->mesh ? plan_scene(work)
+                           : report_dry_run(&arguments->options, "%dx%d pixels", arguments->width, arguments->height);
   status = arguments->mesh ? trace_scene(work, error) : draw_sphere(work, error);
   const double start = sty_get_milliseconds();
   if (!status) status = sty_close_image_writer(&work->writer, error);

@@ -16,7 +16,7 @@ typedef struct GuideArguments {
   unsigned groups;
   int bits;
   StyView view;
-  StyMeshOptions mesh_options;
+  double crease_angle; /* of StyMeshOptions */
   bool flat;
   int frame;  /* index of frames */
   int filter; /* index of filters */
@@ -31,8 +31,6 @@ typedef struct GuideArguments {
   const char *scene_only;  /* an option that means nothing for a sphere */
   const char *camera_only; /* one that means nothing where a scene file has the camera */
 } GuideArguments;
-
-/* The channels that textures go into. */
 
 /* Renders into the output, band by band, and reports. */
 StyStatus render_guide(GuideArguments *arguments);

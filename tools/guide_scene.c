@@ -126,7 +126,7 @@ static StyStatus set_option(GuideArguments *arguments, int key, const char *text
       return set_number(options, "--margin", text, 0, 0.45, &arguments->view.margin);
     case KEY_CREASE:
       arguments->scene_only = "--crease";
-      return set_number(options, "--crease", text, 0, 180, &arguments->mesh_options.crease_angle);
+      return set_number(options, "--crease", text, 0, 180, &arguments->crease_angle);
     case KEY_FRAME:
       arguments->scene_only = "--frame";
       return sty_parse_choice("--frame", text, frames, &arguments->frame, &options->error);
@@ -230,7 +230,7 @@ static StyStatus check_arguments(GuideArguments *arguments) {
   if (arguments->view.fov > 0 && !arguments->view.perspective)
     return sty_fail(error, STY_ERROR_USAGE, "--fov: found with an orthographic camera, expected --camera perspective");
   if (!(arguments->view.fov > 0)) arguments->view.fov = sty_default_view.fov;
-  if (arguments->flat && arguments->mesh_options.crease_angle >= 0)
+  if (arguments->flat && arguments->crease_angle >= 0)
     return sty_fail(error, STY_ERROR_USAGE, "--flat: found with --crease, expected one of them");
   if ((long long)arguments->width * arguments->height > STY_MAX_PIXELS)
     return sty_fail(error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", arguments->width,
@@ -297,7 +297,7 @@ StyStatus run_guide_scene(int argc, char **argv) {
       .groups = STY_GUIDE_NORMAL | STY_GUIDE_DEPTH,
       .bits = 8,
       .view = {.margin = sty_default_view.margin},
-      .mesh_options = {.crease_angle = -1},
+      .crease_angle = -1,
       .contour = sty_default_contour,
       .paths = sty_default_paths,
       .simplify_options = {.max_error = 1, .silhouette = 0.5},

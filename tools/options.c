@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <libgen.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -366,57 +367,96 @@ StyStatus finish_command(Options *options, StyStatus status) {
 
 /* ---- progress ---- */
 
+/* The stage that is being worked at. */
 typedef struct Bar {
+  const Options *options;
   const char *stage;
-  bool json;
-  int shown; /* percent; -1 for none */
-  double start;
+  bool is_wanted, json;
+  int percent; /* shown last; -1 for none */
+  double start, shown;
+  StyPace pace;
 } Bar;
 
-static Bar bar = {NULL, false, -1, 0};
+static Bar bar;
+
+static void print_left(double milliseconds) {
+  const double seconds = milliseconds / 1000;
+  if (milliseconds < 0) return;
+  if (seconds < 90)
+    fprintf(stderr, ", %.0f s left", ceil(seconds));
+  else if (seconds < 90 * 60)
+    fprintf(stderr, ", %.0f min left", ceil(seconds / 60));
+  else
+    fprintf(stderr, ", %.1f h left", seconds / 3600);
+}
+
+static void print_bar(const Bar *b, double left) {
+  char line[31] = "..............................";
+  memset(line, '#', (size_t)(b->percent * 30 / 100));
+  fprintf(stderr, "\r%-10s [%s] %3d %%", b->stage, line, b->percent);
+  print_left(left);
+  fputs("\033[K", stderr);
+}
+
+static void print_json_progress(const Bar *b, double left) {
+  fprintf(stderr, "{\"stage\": \"%s\", \"percent\": %d, \"left_s\": ", b->stage, b->percent);
+  fprintf(stderr, left < 0 ? "null}\n" : "%.1f}\n", left / 1000);
+}
 
 static void show_progress(void *context, double done) {
   Bar *b = context;
-  const int percent = (int)(done * 100);
-  if (percent == b->shown) return;
-  b->shown = percent;
-  if (b->json) {
-    fprintf(stderr, "{\"stage\": \"%s\", \"percent\": %d}\n", b->stage, percent);
-    return;
-  }
-  char line[31] = "..............................";
-  memset(line, '#', (size_t)(percent * 30 / 100));
-  fprintf(stderr, "\r%-10s [%s] %3d %%", b->stage, line, percent);
+  const double now = sty_get_milliseconds(), left = sty_keep_pace(&b->pace, now, done);
+  const int percent = (int)(done * 100 + 1e-6); /* shares add up to a little less than all */
+  /* A bar's time goes on where percents are slow. */
+  if (percent == b->percent && (b->json || now - b->shown < 1000)) return;
+  b->percent = percent;
+  b->shown = now;
+  (b->json ? print_json_progress : print_bar)(b, left);
+}
+
+static void begin_stage(void *context, const char *stage) {
+  Bar *b = context;
+  const double now = sty_get_milliseconds();
+  if (b->stage == stage || strcmp(b->stage, stage) == 0) return;
+  end_progress(b->options);
+  *b = (Bar){b->options, stage, b->is_wanted, b->json, -1, now, now, sty_begin_pace(now)};
+  if (b->is_wanted) show_progress(b, 0);
 }
 
 StyRun begin_progress(const Options *options, const char *stage) {
   const bool terminal = isatty(STDERR_FILENO) == 1;
   const bool wanted = options->progress == PROGRESS_BAR || options->progress == PROGRESS_JSON ||
                       (options->progress == PROGRESS_AUTO && terminal && !options->quiet);
-  bar = (Bar){stage, options->progress == PROGRESS_JSON, -1, sty_get_milliseconds()};
-  return (StyRun){options->threads, wanted ? show_progress : NULL, &bar};
+  bar = (Bar){
+      .options = options, .stage = "", .is_wanted = wanted, .json = options->progress == PROGRESS_JSON, .percent = -1};
+  begin_stage(&bar, stage);
+  return (StyRun){options->threads, wanted ? show_progress : NULL, begin_stage, &bar};
 }
 
 void end_progress(const Options *options) {
-  if (bar.shown >= 0 && !bar.json) fprintf(stderr, "\r\033[K");
-  if (options->verbose)
+  if (bar.percent >= 0 && !bar.json) fputs("\r\033[K", stderr);
+  if (options->verbose && *bar.stage)
     fprintf(stderr, "stylut: %s took %.1f ms on %d threads\n", bar.stage, sty_get_milliseconds() - bar.start,
             sty_get_threads(&(StyRun){.threads = options->threads}));
-  bar.shown = -1;
+  bar.percent = -1;
 }
 
 /* ---- reports ---- */
 
-/* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
-double get_peak_bytes(void) {
+static double read_memory_line(const char *format) {
   FILE *stream = fopen("/proc/self/status", "r");
   char line[256];
   double kilobytes = 0;
   while (stream && fgets(line, sizeof line, stream))
-    if (sscanf(line, "VmHWM: %lf kB", &kilobytes) == 1) break;
+    if (sscanf(line, format, &kilobytes) == 1) break;
   if (stream) fclose(stream);
   return kilobytes * 1024;
 }
+
+/* Not getrusage's ru_maxrss: Linux hands that of a large parent on through exec. */
+double get_peak_bytes(void) { return read_memory_line("VmHWM: %lf kB"); }
+
+double get_held_bytes(void) { return read_memory_line("VmRSS: %lf kB"); }
 
 StyStatus print_json(json_t *report, StyError *error) {
   const int failed = !report || json_dumpf(report, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) != 0;
@@ -445,18 +485,32 @@ json_t *make_json_text(const char *text) {
   return string;
 }
 
-StyStatus report_dry_run(Options *options, const char *format, ...) {
+static StyStatus print_plan(Options *options, json_t *figures, const char *format, va_list arguments) {
   char text[512];
-  va_list arguments;
-  va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
   if (options->json)
-    return print_json(json_pack("{s:s, s:o, s:o}", "schema", "stylut-dry-run/1", "output",
-                                make_json_text(options->output), "text", make_json_text(text)),
+    return print_json(json_pack("{s:s, s:o, s:o, s:o*}", "schema", "stylut-dry-run/1", "output",
+                                make_json_text(options->output), "text", make_json_text(text), "estimate", figures),
                       &options->error);
+  json_decref(figures);
   if (!options->quiet) printf("would write %s: %s\n", clean_text(options->output), clean_text(text));
   return STY_OK;
+}
+
+StyStatus report_dry_run(Options *options, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  const StyStatus status = print_plan(options, NULL, format, arguments);
+  va_end(arguments);
+  return status;
+}
+
+StyStatus report_estimate(Options *options, json_t *figures, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  const StyStatus status = print_plan(options, figures, format, arguments);
+  va_end(arguments);
+  return status;
 }
 
 json_t *pack_times(const char *const *stages, const double *milliseconds, int count) {

@@ -84,12 +84,14 @@ void warn(const Options *options, const char *format, ...) __attribute__((format
 /* Prints the line for a failed command and frees what Options hold. */
 StyStatus finish_command(Options *options, StyStatus status);
 
-/* Threads and progress for long work; `stage` is shown. End with end_progress. */
+/* Threads and progress for long work, of which `stage` is the first part: how much of that is done, and how long it
+ * will still take at its pace. End with end_progress. */
 StyRun begin_progress(const Options *options, const char *stage);
 void end_progress(const Options *options);
 
-/* Largest resident memory of this process so far, bytes. */
+/* Largest resident memory of this process so far, bytes, and what it holds now. */
 double get_peak_bytes(void);
+double get_held_bytes(void);
 
 /* Prints to stdout; frees `report`. */
 StyStatus print_json(json_t *report, StyError *error);
@@ -103,6 +105,10 @@ json_t *make_json_text(const char *text);
 
 /* Says what --dry-run leaves undone, as text or JSON. */
 StyStatus report_dry_run(Options *options, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The same, with figures of what it would take, which are freed. */
+StyStatus report_estimate(Options *options, json_t *figures, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* {"stage": milliseconds, ...} from parallel lists, rounded to microseconds. */
 json_t *pack_times(const char *const *stages, const double *milliseconds, int count);

@@ -134,6 +134,18 @@ typedef struct StyTraceTimes {
   double tree_bytes; /* most memory that the structure took, over the scene's own */
 } StyTraceTimes;
 
+/* What tracing a picture will take. Rays that depend on what others meet are counted as the most there can be. */
+typedef struct StyTraceEstimate {
+  double camera_rays;
+  double paths, path_rays; /* for STY_GUIDE_PATHS: ways, and rays of theirs */
+  double shadow_rays;
+  double build_bytes; /* of the acceleration structure while it is built, and */
+  double tree_bytes;  /* when it is, as measured per triangle */
+  double band_bytes;  /* of the rows in the making and on their way */
+} StyTraceEstimate;
+
+StyTraceEstimate sty_estimate_trace(const StyScene *scene, const StyTraceOptions *options);
+
 /* Takes the next rows of a guide, from the top: a guide of its own, as high as the rows are, which it may change but
  * does not own. */
 typedef struct StyRowSink {

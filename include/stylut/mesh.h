@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "stylut/status.h"
+#include "stylut/parallel.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -35,7 +35,7 @@ typedef struct StyMesh {
   float *normals;     /* 3 per vertex, unit length, world frame */
   float *uvs;         /* 2 per vertex, v up; NULL where the file has none */
   uint32_t *indices;  /* 3 per triangle, counter-clockwise seen from outside */
-  uint32_t *part_ids; /* 1 per triangle */
+  uint32_t *part_ids; /* 1 per triangle; NULL: the mesh has one part */
   StyPaint *paints;   /* 1 per part, of the file's materials; NULL: all white */
   char **textures;    /* paths of the pictures that they name, beside the file */
   int texture_count;
@@ -43,9 +43,10 @@ typedef struct StyMesh {
   double scale;                  /* trace units per world unit */
   double minimum[3], maximum[3]; /* world bounds */
   /* What reading it did. */
-  size_t vertices_read;  /* as the importer hands them over: of an OBJ or STL one per corner, unused ones too */
+  size_t vertices_read;  /* as the file, or the importer, has them: of an OBJ or STL one per corner, unused ones too */
   size_t repeated_faces; /* left out: two of their corners lie at the same place */
   size_t flat_faces;     /* left out: others without area */
+  double import_bytes;   /* the most memory that the importer's process held; 0: there was none */
   double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
 } StyMesh;
 
@@ -54,13 +55,22 @@ typedef struct StyMeshOptions {
    * 0..180. Negative: the file's own normals where it has them, else 60. STL
    * files count as having none, since that format can only store facets. */
   double crease_angle;
+  const StyRun *run; /* of reading and normals; NULL: one thread per core */
 } StyMeshOptions;
+
+static inline int sty_get_part(const StyMesh *mesh, size_t triangle) {
+  return mesh->part_ids ? (int)mesh->part_ids[triangle] : 1;
+}
+
+/* Bytes of what rays need of a mesh: vertices, indices and parts. */
+double sty_get_mesh_bytes(const StyMesh *mesh);
 
 /* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb or .off. */
 bool sty_is_mesh_file(const char *path);
 
-/* Imports OBJ, PLY, STL, glTF or OFF through Assimp. Every index and coordinate
- * is checked. Zero-area triangles are left out. The caller owns the mesh.
+/* Reads OBJ, PLY, STL, glTF or OFF: binary PLY files of triangles here, where reading takes no more than a quarter of
+ * the mesh's bytes beside them; all others through Assimp, in a process of its own and at a multiple of that. Every
+ * index and coordinate is checked. Zero-area triangles are left out. The caller owns the mesh.
  * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
  * faces, all faces without area, NaN or infinite coordinates, indices out of
  * range; the message names the file and the first offending vertex or face),

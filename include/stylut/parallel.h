@@ -13,11 +13,39 @@ typedef struct StyRun {
   /* Called now and then with the share done (0..1), from one thread at a
    * time; NULL for none. */
   void (*progress)(void *context, double done);
+  /* Called where another stage of the work begins, whose progress starts at 0: its name, a word that outlives the run;
+   * NULL for none. */
+  void (*stage)(void *context, const char *name);
   void *context;
 } StyRun;
 
+/* Part of a run (NULL: one per core), whose progress goes from `begin` to `begin` + `part` of the whole's. */
+typedef struct StyShare {
+  const StyRun *run;
+  double begin, part; /* 0..1 */
+} StyShare;
+
+/* The run that such a part is done with, as long as `share` stays where it is. */
+StyRun sty_share_run(StyShare *share);
+
+/* Says that a stage begins. */
+void sty_begin_stage(const StyRun *run, const char *name);
+
 /* The number of threads `run` (NULL: one per core) asks for. */
 int sty_get_threads(const StyRun *run);
+
+/* How fast work goes. Where it is uneven, what it did lately counts: the last quarter of its time for about two thirds.
+ */
+typedef struct StyPace {
+  double start, then; /* ms */
+  double done;        /* at `then`, 0..1 */
+  double rate;        /* per ms; 0: not known */
+} StyPace;
+
+StyPace sty_begin_pace(double now);
+
+/* Milliseconds that the rest will take when `done` (0..1) is done; negative where it is too early to say. */
+double sty_keep_pace(StyPace *pace, double now, double done);
 
 /* Milliseconds of a clock that only goes forward; what counts is the difference. */
 double sty_get_milliseconds(void);

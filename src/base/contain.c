@@ -127,13 +127,15 @@ static StyStatus fail_child(const StyContained *contained, const StyPipe *pipe, 
                   contained->name, contained->worker);
 }
 
-static int end_child(pid_t child) {
+static int end_child(pid_t child, double *peak_bytes) {
   int outcome = 0;
-  while (waitpid(child, &outcome, 0) < 0 && errno == EINTR) continue;
+  struct rusage usage = {0};
+  while (wait4(child, &outcome, 0, &usage) < 0 && errno == EINTR) continue;
+  *peak_bytes = 1024.0 * (double)usage.ru_maxrss;
   return outcome;
 }
 
-static StyStatus run_parent(const StyContained *contained, pid_t child, int end, StyError *error) {
+static StyStatus run_parent(StyContained *contained, pid_t child, int end, StyError *error) {
   StyPipe pipe = {end, sty_get_milliseconds() + contained->seconds * 1000};
   StyError cause = {STY_OK, ""};
   Reply reply;
@@ -142,13 +144,13 @@ static StyStatus run_parent(const StyContained *contained, pid_t child, int end,
   if (answered) status = reply.status ? reply.status : contained->receive(contained->context, &pipe, &cause);
   close(end);
   if (!answered || status) kill(child, SIGKILL);
-  const int outcome = end_child(child);
+  const int outcome = end_child(child, &contained->peak_bytes);
   if (!answered) return fail_child(contained, &pipe, outcome, error);
   if (!status) return STY_OK;
   return sty_fail(error, status, "%s", reply.status ? reply.error.text : cause.text);
 }
 
-StyStatus sty_run_contained(const StyContained *contained, StyError *error) {
+StyStatus sty_run_contained(StyContained *contained, StyError *error) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     return sty_fail(error, STY_ERROR_LIBRARY, "%s: found no pipe for %s: %s", contained->name, contained->worker,

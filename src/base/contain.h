@@ -19,11 +19,12 @@ typedef struct StyContained {
   void (*send)(const void *context, StyPipe *pipe);  /* in the child, after success */
   StyStatus (*receive)(void *context, StyPipe *pipe, StyError *error); /* here: fills the context again */
   void *context;
+  double peak_bytes; /* filled: the most memory that the child held */
 } StyContained;
 
 /* Returns what the work returned, with its message. STY_ERROR_INPUT where it crashed or took too long or too much
  * memory, STY_ERROR_LIBRARY where no process could be made. The child's output is thrown away. */
-StyStatus sty_run_contained(const StyContained *contained, StyError *error);
+StyStatus sty_run_contained(StyContained *contained, StyError *error);
 
 /* For `send`; a parent that is gone ends the child. */
 void sty_send(StyPipe *pipe, const void *data, size_t size);

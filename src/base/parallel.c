@@ -1,11 +1,45 @@
 #include "stylut/parallel.h"
 
+#include <math.h>
 #include <omp.h>
 #include <time.h>
 
 int sty_get_threads(const StyRun *run) {
   const int threads = run && run->threads > 0 ? run->threads : omp_get_num_procs();
   return threads < 1 ? 1 : threads;
+}
+
+static void report_share(void *context, double done) {
+  const StyShare *share = context;
+  const double whole = share->begin + done * share->part; /* rounding may take the last part beyond 1 */
+  share->run->progress(share->run->context, whole < 1 ? whole : 1);
+}
+
+StyRun sty_share_run(StyShare *share) {
+  const StyRun *run = share->run;
+  return (StyRun){
+      .threads = sty_get_threads(run), .progress = run && run->progress ? report_share : NULL, .context = share};
+}
+
+void sty_begin_stage(const StyRun *run, const char *name) {
+  if (run && run->stage) run->stage(run->context, name);
+}
+
+/* Work is looked at so long, ms, before it is judged, and after that each time this much has gone by. */
+static const double FIRST_LOOK = 1000, LOOK = 100;
+
+StyPace sty_begin_pace(double now) { return (StyPace){.start = now, .then = now}; }
+
+double sty_keep_pace(StyPace *pace, double now, double done) {
+  const double passed = now - pace->then, elapsed = now - pace->start;
+  if (passed >= LOOK && elapsed >= FIRST_LOOK) {
+    const double rate = (done - pace->done) / passed, weight = 1 - exp(-passed / (elapsed / 4));
+    pace->rate += (pace->rate > 0 ? weight : 1) * (rate - pace->rate);
+    pace->then = now;
+    pace->done = done;
+  }
+  const double left = pace->rate > 0 ? (1 - pace->done) / pace->rate - (now - pace->then) : -1;
+  return pace->rate > 0 && left < 0 ? 0 : left;
 }
 
 double sty_get_milliseconds(void) {

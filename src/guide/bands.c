@@ -41,21 +41,10 @@ static void start_delivery(Delivery *delivery, StyImage *rows) {
   if (!delivery->threaded) deliver(delivery);
 }
 
-static int choose_rows(const StyBands *bands) {
-  size_t rows = BAND_VALUES / ((size_t)bands->width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
+int sty_choose_band_rows(int width, int height) {
+  size_t rows = BAND_VALUES / ((size_t)width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
   rows = rows < ROW_STEP ? ROW_STEP : rows > MOST_ROWS ? MOST_ROWS : rows;
-  return rows < (size_t)bands->height ? (int)rows : bands->height;
-}
-
-/* The run's progress, of which a band is a part. */
-typedef struct Share {
-  const StyRun *run;
-  double done, part;
-} Share;
-
-static void report_share(void *context, double done) {
-  const Share *share = context;
-  share->run->progress(share->run->context, share->done + done * share->part);
+  return rows < (size_t)height ? (int)rows : height;
 }
 
 /* A band to be filled: rows that have arrived before, whose memory is at hand, or new ones. */
@@ -68,8 +57,8 @@ static StyStatus open_band(const StyBands *bands, int rows, StyImage **spare, St
 
 static StyStatus make_band(const StyBands *bands, int first, int rows, const StyRun *run, StyImage **spare,
                            StyImage **out, StyError *error) {
-  Share share = {run, (double)first / bands->height, (double)rows / bands->height};
-  const StyRun own = {sty_get_threads(run), run && run->progress ? report_share : NULL, &share};
+  StyShare share = {run, (double)first / bands->height, (double)rows / bands->height};
+  const StyRun own = sty_share_run(&share);
   StyGuide band = {0};
   StyStatus status = open_band(bands, rows, spare, &band, error);
   if (!status) status = bands->fill(bands->context, first, &band, &own, error);
@@ -82,7 +71,7 @@ static StyStatus make_band(const StyBands *bands, int first, int rows, const Sty
 
 static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, double *first_ms,
                               StyError *error) {
-  const int step = choose_rows(bands);
+  const int step = sty_choose_band_rows(bands->width, bands->height);
   const double start = sty_get_milliseconds();
   for (int first = 0; first < bands->height; first += step) {
     const int rows = bands->height - first < step ? bands->height - first : step;

@@ -13,6 +13,9 @@ typedef struct StyBands {
   void *context;
 } StyBands;
 
+/* Rows of a picture's bands; no more than two are held. */
+int sty_choose_band_rows(int width, int height);
+
 /* Hands all bands to the sink, in order. `first_ms`: until the first one was made. */
 StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
                            StyError *error);

@@ -15,11 +15,6 @@ static StyStatus render(const StyScene *scene, const StyCamera *camera, const St
   return sty_trace_guide(scene, camera, &options, run, taken, out, error);
 }
 
-static double count_mesh_bytes(const StyMesh *mesh) {
-  const double vertex = (mesh->uvs ? 8 : 6) * sizeof(float), triangle = 4 * sizeof(uint32_t);
-  return (double)mesh->vertex_count * vertex + (double)mesh->triangle_count * triangle;
-}
-
 StyStatus sty_render_shape(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *trace,
                            const StyRun *run, StyShape *out, StyRenderCost *cost, StyError *error) {
   StyShape shape = {0};
@@ -34,7 +29,7 @@ StyStatus sty_render_shape(const StyScene *scene, const StyCamera *camera, const
                           .build_ms = times.build_ms,
                           .trace_ms = times.trace_ms,
                           .tree_bytes = times.tree_bytes};
-  for (int m = 0; m < scene->mesh_count; m++) cost->mesh_bytes += count_mesh_bytes(scene->meshes[m]);
+  for (int m = 0; m < scene->mesh_count; m++) cost->mesh_bytes += sty_get_mesh_bytes(scene->meshes[m]);
   *out = shape;
   return STY_OK;
 }

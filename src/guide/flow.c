@@ -10,18 +10,6 @@ const StyFlowOptions sty_default_flow_options = {.threshold = 16, .tolerance = 0
 
 enum { ROWS = 8 }; /* of one piece of work */
 
-/* ---- progress over all levels --------------------------------------------------- */
-
-typedef struct Progress {
-  const StyRun *run;
-  double begin, share; /* of all work: done before, and in this stage */
-} Progress;
-
-static void pass_on(void *context, double done) {
-  const Progress *progress = context;
-  progress->run->progress(progress->run->context, fmin(progress->begin + progress->share * done, 1));
-}
-
 /* ---- levels --------------------------------------------------------------------- */
 
 typedef struct Work {
@@ -52,7 +40,7 @@ static StyStatus estimate_level(StyFlowPyramid *pyramid, int index, const StyFlo
   Work work = {level, coarser, rules, search_row};
   StyStatus status = run_rows(&work, run, error);
   if (status || rules->method == STY_FLOW_PUBLISHED) return status;
-  const StyRun quiet = {sty_get_threads(run), NULL, NULL};
+  const StyRun quiet = {.threads = sty_get_threads(run)};
   work.do_row = smooth_row;
   status = run_rows(&work, &quiet, error);
   StyFlowVector *smooth = level->spare;
@@ -68,8 +56,8 @@ static StyStatus estimate_levels(StyFlowPyramid *pyramid, const StyFlowRules *ru
   double done = 0;
   for (int l = pyramid->count - 1; !status && l >= 0; l--) {
     const double part = l ? 0.75 * pow(0.25, l) : 1 - done;
-    Progress progress = {run, begin + share * done, share * part};
-    const StyRun own = {sty_get_threads(run), run && run->progress ? pass_on : NULL, &progress};
+    StyShare level = {run, begin + share * done, share * part};
+    const StyRun own = sty_share_run(&level);
     status = estimate_level(pyramid, l, rules, &own, error);
     done += part;
   }

@@ -109,7 +109,7 @@ StyStatus sty_audit_flow(const StyFlowLevel *level, const StyFlowRules *rules, c
                          sty_find_channel(flow, "origin.I")};
   const Audit audit = {level, rules, planes, calloc((size_t)flow->height, sizeof(Tally))};
   if (!audit.tallies) return sty_fail_memory(error, "flow", (double)flow->height * sizeof(Tally));
-  const StyRun quiet = {sty_get_threads(run), NULL, NULL};
+  const StyRun quiet = {.threads = sty_get_threads(run)};
   const StyStatus status = sty_parallel_for(&quiet, flow->height, audit_row, (void *)&audit, error);
   if (!status) add_tallies(audit.tallies, flow->height, figures);
   free(audit.tallies);

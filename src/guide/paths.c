@@ -153,8 +153,7 @@ typedef struct Crowd {
   StyBlock block; /* where the ways are; valid[i]: this one goes on */
 } Crowd;
 
-/* Ways that end at more surfaces aren't in any channel that is asked for. */
-static int count_surfaces(unsigned groups) {
+int sty_count_path_surfaces(unsigned groups) {
   if (groups & (STY_GUIDE_FULL | STY_GUIDE_LIE)) return STY_MOST_BOUNCES;
   return groups & STY_GUIDE_LD12E ? 2 : 1;
 }
@@ -255,7 +254,7 @@ static void average(const Crowd *crowd, const PathLight direct[STY_RAYS], StyPat
 }
 
 void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int x, int y, StyPathSamples *paths) {
-  Crowd crowd = {.world = world, .start = block, .most = count_surfaces(world->groups)};
+  Crowd crowd = {.world = world, .start = block, .most = sty_count_path_surfaces(world->groups)};
   PathLight direct[STY_RAYS];
   begin(&crowd, x, y);
   gather_lights(&crowd);

@@ -16,6 +16,9 @@ typedef struct StyPathWorld {
   StyPathOptions options;
 } StyPathWorld;
 
+/* The most surfaces that a way meets: ways with more aren't in any channel of these groups. */
+int sty_count_path_surfaces(unsigned groups);
+
 /* Fills `paths` where block->valid is set, from hits and albedo; (x, y) is the block's first pixel in the picture.
  * Thread-safe. */
 void sty_trace_paths(const StyPathWorld *world, const StyBlock *block, int x, int y, StyPathSamples *paths);

@@ -36,7 +36,7 @@ static void load_transform(const StyPlaced *placed, int i, StyTriangles *triangl
 static void name_owner(const StyPlaced *placed, int i, StyHits *hits) {
   const StyMesh *mesh = placed->mesh;
   const StyObject *object = placed->object;
-  const int part = (int)mesh->part_ids[hits->triangle[i]] - 1;
+  const int part = sty_get_part(mesh, hits->triangle[i]) - 1;
   hits->material[i] = &object->material;
   hits->paint[i] = object->is_painted || !mesh->paints ? &object->material.paint : &mesh->paints[part];
   hits->style[i] = object->style;

@@ -6,6 +6,7 @@
 #define STYLUT_GUIDE_RAYS_H
 
 #include "guide/lanes.h"
+#include "stylut/parallel.h"
 #include "stylut/scene.h"
 
 /* Rays travel in blocks: eight at a time with the coherent flag is 2.5 times as
@@ -68,8 +69,9 @@ static inline void sty_get_lane(const StyLane vectors[3], int i, double out[3]) 
   for (int k = 0; k < 3; k++) out[k] = vectors[k][i];
 }
 
-/* The caller closes the tracer before the scene goes. STY_ERROR_LIBRARY. */
-StyStatus sty_open_tracer(const StyScene *scene, StyTracer **out, StyError *error);
+/* The caller closes the tracer before the scene goes. Of the run (NULL: none) it takes stage and progress; one thread
+ * builds. STY_ERROR_LIBRARY. */
+StyStatus sty_open_tracer(const StyScene *scene, const StyRun *run, StyTracer **out, StyError *error);
 void sty_close_tracer(StyTracer **tracer);
 
 /* Most memory that Embree took at a time, bytes. */

@@ -202,7 +202,7 @@ static unsigned get_parts(unsigned groups, const StyScene *scene) {
   return parts;
 }
 
-static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *error) {
+static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *times, StyError *error) {
   const StyScene *scene = render->scene;
   const StyTraceOptions *options = render->options;
   StyStatus status = check_camera(render->camera, error);
@@ -219,7 +219,7 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
   if (!status) status = sty_open_film(scene, render->camera, options->width, options->height, &render->film, error);
   const double start = sty_get_milliseconds();
-  if (!status) status = sty_open_tracer(scene, &render->tracer, error);
+  if (!status) status = sty_open_tracer(scene, run, &render->tracer, error);
   times->build_ms = sty_get_milliseconds() - start;
   render->world = (StyPathWorld){.scene = scene,
                                  .tracer = render->tracer,
@@ -228,6 +228,7 @@ static StyStatus open_render(Render *render, StyTraceTimes *times, StyError *err
                                  .groups = render->groups,
                                  .options = options->paths};
   if (!status) times->tree_bytes = sty_get_tracer_bytes(render->tracer);
+  sty_begin_stage(run, "tracing");
   return status;
 }
 
@@ -242,7 +243,7 @@ StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const S
                          const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error) {
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyTraceTimes found = {0};
-  StyStatus status = open_render(&render, &found, error);
+  StyStatus status = open_render(&render, run, &found, error);
   const double start = sty_get_milliseconds();
   const StyBands bands = {.width = options->width,
                           .height = options->height,
@@ -262,7 +263,7 @@ StyStatus sty_trace_guide(const StyScene *scene, const StyCamera *camera, const 
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyTraceTimes found = {0};
   StyGuide guide = {0};
-  StyStatus status = open_render(&render, &found, error);
+  StyStatus status = open_render(&render, run, &found, error);
   const double start = sty_get_milliseconds();
   if (!status) status = sty_create_guide(options->width, options->height, options->groups, &guide, error);
   if (!status) status = trace_band(&render, 0, &guide, run, error);

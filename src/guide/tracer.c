@@ -83,9 +83,18 @@ static void attach(RTCScene scene, RTCGeometry geometry, unsigned number) {
   rtcReleaseGeometry(geometry);
 }
 
+static bool report_building(void *context, double done) {
+  const StyRun *run = context;
+  run->progress(run->context, done < 1 ? done : 1);
+  return true;
+}
+
 static RTCScene make_tree(const StyTracer *tracer) {
   RTCScene scene = rtcNewScene(tracer->device);
-  if (scene) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  const StyRun *run = tracer->run;
+  if (!scene) return NULL;
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  if (run && run->progress) rtcSetSceneProgressMonitorFunction(scene, report_building, (void *)(uintptr_t)run);
   return scene;
 }
 
@@ -160,10 +169,13 @@ static StyStatus build_tracer(StyTracer *tracer, const StyScene *scene, StyError
                   tracer->message);
 }
 
-StyStatus sty_open_tracer(const StyScene *scene, StyTracer **out, StyError *error) {
+StyStatus sty_open_tracer(const StyScene *scene, const StyRun *run, StyTracer **out, StyError *error) {
   StyTracer *tracer = calloc(1, sizeof *tracer);
   if (!tracer) return sty_fail_memory(error, "scene", sizeof *tracer);
+  tracer->run = run;
+  sty_begin_stage(run, "building");
   const StyStatus status = build_tracer(tracer, scene, error);
+  tracer->run = NULL;
   if (status)
     sty_close_tracer(&tracer);
   else

@@ -30,6 +30,7 @@ struct StyTracer {
   StyBall *balls;    /* 1 per sphere */
   const StyScene *model;
   const StyKernels *kernels;
+  const StyRun *run;                   /* while the trees are built */
   char message[256];                   /* what Embree complained about first */
   _Atomic long long bytes, most_bytes; /* Embree's own */
 };

@@ -18,11 +18,10 @@ typedef struct StyCorner {
   float uv[2];     /* zero where the file has none */
 } StyCorner;
 
-/* Numbers the distinct corners from 0 in order of their first appearance:
- * ids[i] for corner i. Only the first `size` bytes of a corner count, so that
- * one can ask for positions alone. */
-StyStatus sty_number_corners(const StyCorner *corners, size_t count, size_t size, uint32_t *ids, size_t *distinct,
-                             StyError *error);
+/* Numbers distinct items from 0 in order of their first appearance: ids[i] for item i of `count`, which lie `stride`
+ * bytes apart. Only the first `size` bytes of each count, a multiple of 4. */
+StyStatus sty_number_distinct(const void *items, size_t stride, size_t count, size_t size, uint32_t *ids,
+                              size_t *distinct, StyError *error);
 
 static inline uint32_t sty_next_corner(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
@@ -35,12 +34,5 @@ typedef struct StyEdge {
 /* The edges of all triangles, one per corner, whose position has the number ids[c]; sorted, so that those between the
  * same positions stand together, in the order of their corners. */
 void sty_list_edges(const uint32_t *ids, size_t corner_count, StyEdge *edges);
-
-/* Fills every corner normal that isn't known: the mean of the facet normals
- * around the vertex, weighted by the facets' angles there (Thuermer and
- * Wuethrich 1998), so that it doesn't depend on how faces are cut into
- * triangles. Facets belong together when they share an edge that bends by at
- * most `crease_angle` degrees. Triangles must have area. */
-StyStatus sty_smooth_corners(StyCorner *corners, size_t triangle_count, double crease_angle, StyError *error);
 
 #endif

@@ -12,7 +12,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "scene/corners.h"
+#include "scene/faults.h"
+#include "scene/fit.h"
 #include "scene/import.h"
 #include "scene/ply.h"
 #include "scene/share.h"
@@ -21,7 +22,6 @@
 #include "stylut/mesh.h"
 #include "stylut/version.h"
 
-static const double DEFAULT_CREASE_ANGLE = 60;
 enum { MAX_NODE_DEPTH = 256 };
 
 /* A mesh of the file as one node shows it. */
@@ -84,20 +84,14 @@ static bool has_uvs(const struct aiMesh *mesh) { return mesh->mTextureCoords[0] 
 
 static StyStatus check_vertices(const Import *import, unsigned m, StyError *error) {
   const struct aiMesh *mesh = import->file->mMeshes[m];
-  for (unsigned v = 0; v < mesh->mNumVertices; v++) {
-    const struct aiVector3D p = mesh->mVertices[v];
-    if (has_uvs(mesh) && !(isfinite(mesh->mTextureCoords[0][v].x) && isfinite(mesh->mTextureCoords[0][v].y)))
-      return sty_fail(error, STY_ERROR_INPUT,
-                      "%s: vertex %u of mesh %u (counted from 1) has the texture coordinates (%g, %g), expected finite "
-                      "ones",
-                      import->path, v + 1, m + 1, (double)mesh->mTextureCoords[0][v].x,
-                      (double)mesh->mTextureCoords[0][v].y);
-    if (isfinite(p.x) && isfinite(p.y) && isfinite(p.z)) continue;
-    return sty_fail(error, STY_ERROR_INPUT,
-                    "%s: vertex %u of mesh %u (counted from 1) is (%g, %g, %g), expected finite float coordinates",
-                    import->path, v + 1, m + 1, (double)p.x, (double)p.y, (double)p.z);
+  StyStatus status = STY_OK;
+  for (unsigned v = 0; v < mesh->mNumVertices && !status; v++) {
+    const float at[3] = {mesh->mVertices[v].x, mesh->mVertices[v].y, mesh->mVertices[v].z};
+    float uv[2] = {0, 0};
+    if (has_uvs(mesh)) uv[0] = mesh->mTextureCoords[0][v].x, uv[1] = mesh->mTextureCoords[0][v].y;
+    status = sty_check_vertex(import->path, v, m, at, uv, error);
   }
-  return STY_OK;
+  return status;
 }
 
 static StyStatus check_faces(const Import *import, unsigned m, StyError *error) {
@@ -106,9 +100,7 @@ static StyStatus check_faces(const Import *import, unsigned m, StyError *error) 
     for (unsigned k = 0; k < mesh->mFaces[f].mNumIndices; k++) {
       const unsigned index = mesh->mFaces[f].mIndices[k];
       if (index < mesh->mNumVertices) continue;
-      return sty_fail(error, STY_ERROR_INPUT,
-                      "%s: face %u of mesh %u (counted from 1) asks for vertex index %ld, expected 0 to %ld",
-                      import->path, f + 1, m + 1, (long)(int)index, (long)mesh->mNumVertices - 1);
+      return sty_fail_index(import->path, f, m, (int)index, mesh->mNumVertices, error);
     }
   return STY_OK;
 }
@@ -193,8 +185,7 @@ static StyStatus load_file(Import *import, StyError *error) {
 static StyStatus read_file(Import *import, StyError *error) {
   StyStatus status = check_extension(import->path, error);
   if (status == STY_OK) status = sty_check_file(import->path, NULL, error);
-  if (status == STY_OK && strcasecmp(find_extension(import->path), "ply") == 0)
-    status = sty_check_ply(import->path, error);
+  if (status == STY_OK && sty_is_ply(import->path)) status = sty_check_ply(import->path, error);
   if (status != STY_OK) return status;
   return load_file(import, error);
 }
@@ -221,7 +212,7 @@ static size_t count_triangles(const struct aiMesh *mesh) {
 
 /* The node's matrix with the mesh's frame folded in. */
 static Part make_part(const Import *import, unsigned m, const double node[3][4]) {
-  Part part = {.mesh = import->file->mMeshes[m], .mesh_number = m + 1};
+  Part part = {.mesh = import->file->mMeshes[m], .mesh_number = m};
   const Frame *frame = &import->frames[m];
   for (int i = 0; i < 3; i++) {
     part.matrix[i][3] = node[i][3];
@@ -240,9 +231,7 @@ static Part make_part(const Import *import, unsigned m, const double node[3][4])
 static StyStatus add_part(Import *import, unsigned m, const double node[3][4], StyError *error) {
   const size_t triangles = count_triangles(import->file->mMeshes[m]);
   if (triangles == 0) return STY_OK;
-  if (triangles > STY_MAX_TRIANGLES - import->triangle_count)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: found more than %zu triangles, which is the most a mesh may have",
-                    import->path, STY_MAX_TRIANGLES);
+  if (triangles > STY_MAX_TRIANGLES - import->triangle_count) return sty_fail_triangles(import->path, error);
   if (import->part_count == import->part_capacity) {
     const size_t capacity = import->part_capacity ? 2 * import->part_capacity : 16;
     Part *grown = realloc(import->parts, capacity * sizeof *grown);
@@ -278,9 +267,7 @@ static StyStatus list_parts(Import *import, StyError *error) {
   if (import->part_count == 0)
     for (unsigned m = 0; m < import->file->mNumMeshes && status == STY_OK; m++)
       status = add_part(import, m, IDENTITY, error);
-  if (status == STY_OK && import->part_count == 0)
-    return sty_fail(error, STY_ERROR_INPUT, "%s: holds no faces, expected a mesh with triangles or polygons",
-                    import->path);
+  if (status == STY_OK && import->part_count == 0) return sty_fail_empty(import->path, error);
   return status;
 }
 
@@ -299,26 +286,6 @@ static void order_triangle(const Part *part, const struct aiFace *face, unsigned
   out[2] = face->mIndices[part->mirrored ? 1 : 2];
 }
 
-static bool has_area(const double a[3], const double b[3], const double c[3]) {
-  double ab[3], ac[3], normal[3];
-  subtract_vectors(b, a, ab);
-  subtract_vectors(c, a, ac);
-  cross_vectors(ab, ac, normal);
-  return dot_vectors(normal, normal) > 0;
-}
-
-static StyStatus check_world(const Import *import, const Part *part, unsigned v, const double world[3],
-                             StyError *error) {
-  for (int k = 0; k < 3; k++)
-    if (!(fabs(world[k]) <= STY_MAX_COORDINATE))
-      return sty_fail(
-          error, STY_ERROR_INPUT,
-          "%s: vertex %u of mesh %u (counted from 1) lies at (%g, %g, %g), expected coordinates from %g to %g",
-          import->path, v + 1, part->mesh_number, world[0], world[1], world[2], -STY_MAX_COORDINATE,
-          STY_MAX_COORDINATE);
-  return STY_OK;
-}
-
 static StyStatus measure_part(const Import *import, const Part *part, StyMesh *mesh, StyError *error) {
   for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
     if (part->mesh->mFaces[f].mNumIndices != 3) continue;
@@ -327,10 +294,10 @@ static StyStatus measure_part(const Import *import, const Part *part, StyMesh *m
     order_triangle(part, &part->mesh->mFaces[f], vertices);
     for (int k = 0; k < 3; k++) {
       transform_vertex(part, vertices[k], world[k]);
-      StyStatus status = check_world(import, part, vertices[k], world[k], error);
+      StyStatus status = sty_check_world(import->path, vertices[k], part->mesh_number, world[k], error);
       if (status != STY_OK) return status;
     }
-    if (!has_area(world[0], world[1], world[2])) continue;
+    if (!sty_has_area(world[0], world[1], world[2])) continue;
     for (int i = 0; i < 9; i++) {
       const double at = world[i / 3][i % 3];
       mesh->minimum[i % 3] = fmin(mesh->minimum[i % 3], at);
@@ -340,24 +307,13 @@ static StyStatus measure_part(const Import *import, const Part *part, StyMesh *m
   return STY_OK;
 }
 
-static StyStatus fail_flat(const Import *import, StyError *error) {
-  return sty_fail(error, STY_ERROR_INPUT, "%s: none of its %zu triangles has an area", import->path,
-                  import->triangle_count);
-}
-
 static StyStatus measure_mesh(const Import *import, StyMesh *mesh, StyError *error) {
   for (int k = 0; k < 3; k++) mesh->minimum[k] = INFINITY, mesh->maximum[k] = -INFINITY;
   for (size_t p = 0; p < import->part_count; p++) {
     StyStatus status = measure_part(import, &import->parts[p], mesh, error);
     if (status != STY_OK) return status;
   }
-  double extent = 0;
-  for (int k = 0; k < 3; k++) {
-    mesh->centre[k] = (mesh->minimum[k] + mesh->maximum[k]) / 2;
-    extent = fmax(extent, mesh->maximum[k] - mesh->minimum[k]);
-  }
-  mesh->scale = 2 / extent;
-  return extent > 0 && isfinite(mesh->scale) ? STY_OK : fail_flat(import, error);
+  return sty_set_mesh_space(mesh) ? STY_OK : sty_fail_flat(import->path, import->triangle_count, error);
 }
 
 /* Leaves the normal unknown where the file has none that can be used. */
@@ -382,18 +338,6 @@ static void fill_corner(const Import *import, const StyMesh *mesh, const Part *p
   out->uv[1] = part->mesh->mTextureCoords[0][v].y + 0.0f;
 }
 
-static bool has_corner_area(const StyCorner corners[3]) {
-  double at[3][3];
-  for (int i = 0; i < 9; i++) at[i / 3][i % 3] = corners[i / 3].position[i % 3];
-  return has_area(at[0], at[1], at[2]);
-}
-
-static bool is_repeated(const StyCorner corners[3]) {
-  for (int k = 0; k < 3; k++)
-    if (memcmp(corners[k].position, corners[(k + 1) % 3].position, sizeof corners->position) == 0) return true;
-  return false;
-}
-
 static void fill_part(const Import *import, const Part *part, StyMesh *mesh, StyCorner *corners) {
   for (unsigned f = 0; f < part->mesh->mNumFaces; f++) {
     if (part->mesh->mFaces[f].mNumIndices != 3) continue;
@@ -402,12 +346,8 @@ static void fill_part(const Import *import, const Part *part, StyMesh *mesh, Sty
     order_triangle(part, &part->mesh->mFaces[f], vertices);
     for (int k = 0; k < 3; k++) fill_corner(import, mesh, part, vertices[k], &own[k]);
     /* Rounding to trace space may flatten a triangle that had an area. */
-    if (has_corner_area(own))
+    if (sty_keeps_triangle(mesh, (const float *const[]){own[0].position, own[1].position, own[2].position}))
       mesh->part_ids[mesh->triangle_count++] = (uint32_t)mesh->part_count;
-    else if (is_repeated(own))
-      mesh->repeated_faces++;
-    else
-      mesh->flat_faces++;
   }
   mesh->vertices_read += part->mesh->mNumVertices;
 }
@@ -424,8 +364,12 @@ static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **o
     mesh->part_count++;
     fill_part(import, &import->parts[p], mesh, corners);
   }
+  if (mesh->part_count == 1) {
+    free(mesh->part_ids);
+    mesh->part_ids = NULL;
+  }
   *out = corners;
-  return mesh->triangle_count > 0 ? STY_OK : fail_flat(import, error);
+  return mesh->triangle_count > 0 ? STY_OK : sty_fail_flat(import->path, import->triangle_count, error);
 }
 
 /* ---- materials ---- */
@@ -492,13 +436,6 @@ static StyStatus read_paints(const Import *import, StyMesh *mesh, StyError *erro
 
 /* ---- the mesh ---- */
 
-static size_t count_unknown(const StyCorner *corners, size_t count) {
-  size_t unknown = 0;
-  for (size_t c = 0; c < count; c++)
-    unknown += corners[c].normal[0] == 0 && corners[c].normal[1] == 0 && corners[c].normal[2] == 0;
-  return unknown;
-}
-
 /* Lets go of the importer's copy, which nothing needs once corners are filled. */
 static void release_import(Import *import) {
   if (import->file) aiReleaseImport(import->file);
@@ -509,33 +446,26 @@ static void release_import(Import *import) {
   import->parts = NULL;
 }
 
-static StyStatus build_mesh(Import *import, double crease_angle, StyMesh *mesh, StyError *error) {
+static StyStatus build_mesh(Import *import, StyMesh *mesh, StyError *error) {
   StyCorner *corners = NULL;
   StyStatus status = measure_mesh(import, mesh, error);
   if (status == STY_OK) status = fill_corners(import, mesh, &corners, error);
   if (status == STY_OK) status = read_paints(import, mesh, error);
   release_import(import);
-  const size_t unknown = status == STY_OK ? count_unknown(corners, 3 * mesh->triangle_count) : 0;
-  mesh->crease_angle = unknown == 3 * mesh->triangle_count ? crease_angle : -1;
-  if (unknown) status = sty_smooth_corners(corners, mesh->triangle_count, crease_angle, error);
   if (status == STY_OK) status = sty_share_vertices(mesh, corners, import->has_uvs, error);
   free(corners);
   return status;
 }
 
-StyStatus sty_import_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error) {
-  const double crease_angle = options ? options->crease_angle : -1;
-  if (isnan(crease_angle) || crease_angle > 180)
-    return sty_fail(error, STY_ERROR_USAGE, "crease angle: found %g, expected 0 to 180 degrees", crease_angle);
+StyStatus sty_import_mesh(const char *path, bool keep_normals, StyMesh **out, StyError *error) {
   /* STL can only store facets, so its normals tell nothing. */
-  Import import = {.path = path, .keep_normals = crease_angle < 0 && strcasecmp(find_extension(path), "stl") != 0};
+  Import import = {.path = path, .keep_normals = keep_normals && strcasecmp(find_extension(path), "stl") != 0};
   StyMesh *mesh = calloc(1, sizeof *mesh);
   if (!mesh) return sty_fail_memory(error, "mesh", sizeof *mesh);
   mesh->path = strdup(path);
   StyStatus status = mesh->path ? read_file(&import, error) : sty_fail_memory(error, path, (double)strlen(path));
   if (status == STY_OK) status = list_parts(&import, error);
-  if (status == STY_OK)
-    status = build_mesh(&import, crease_angle < 0 ? DEFAULT_CREASE_ANGLE : crease_angle, mesh, error);
+  if (status == STY_OK) status = build_mesh(&import, mesh, error);
   release_import(&import);
   if (status == STY_OK)
     *out = mesh;

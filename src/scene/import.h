@@ -3,8 +3,9 @@
 
 #include "stylut/mesh.h"
 
-/* sty_read_mesh in this process, where a file that the importer can't bear takes all down. From one
- * thread at a time: the importer's log and its last error belong to the process. */
-StyStatus sty_import_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error);
+/* sty_read_mesh through Assimp, in this process, where a file that the importer can't bear takes all down. From one
+ * thread at a time: the importer's log and its last error belong to the process. Normals that the file hasn't, or none
+ * where they aren't kept, are zero. */
+StyStatus sty_import_mesh(const char *path, bool keep_normals, StyMesh **out, StyError *error);
 
 #endif

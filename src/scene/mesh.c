@@ -8,7 +8,11 @@
 #include "base/contain.h"
 #include "scene/corners.h"
 #include "scene/import.h"
+#include "scene/normals.h"
+#include "scene/ply.h"
 #include "stylut/file.h"
+
+static const double DEFAULT_CREASE_ANGLE = 60;
 
 /* What an import may take: good files need a small part of it. */
 static const double LEAST_SECONDS = 20, BYTES_PER_SECOND = 4e6;
@@ -16,7 +20,7 @@ static const double LEAST_BYTES = 2.0 * 1024 * 1024 * 1024, MEMORY_PER_BYTE = 64
 
 typedef struct Reading {
   const char *path;
-  const StyMeshOptions *options;
+  bool keep_normals;
   StyMesh *mesh;
 } Reading;
 
@@ -24,16 +28,16 @@ typedef struct Reading {
 
 static size_t count_positions(const StyMesh *mesh) { return 3 * mesh->vertex_count + 1; }
 
-static bool allocate_arrays(StyMesh *mesh, bool has_uvs) {
+static bool allocate_arrays(StyMesh *mesh, bool has_uvs, bool has_parts) {
   mesh->positions = malloc(count_positions(mesh) * sizeof *mesh->positions);
   mesh->normals = malloc(3 * mesh->vertex_count * sizeof *mesh->normals);
   mesh->uvs = has_uvs ? malloc(2 * mesh->vertex_count * sizeof *mesh->uvs) : NULL;
   mesh->indices = malloc(3 * mesh->triangle_count * sizeof *mesh->indices);
-  mesh->part_ids = malloc(mesh->triangle_count * sizeof *mesh->part_ids);
+  mesh->part_ids = has_parts ? malloc(mesh->triangle_count * sizeof *mesh->part_ids) : NULL;
   mesh->paints = malloc((size_t)mesh->part_count * sizeof *mesh->paints);
   mesh->textures = calloc((size_t)mesh->texture_count + 1, sizeof *mesh->textures);
-  return mesh->positions && mesh->normals && (!has_uvs || mesh->uvs) && mesh->indices && mesh->part_ids &&
-         mesh->paints && mesh->textures;
+  return mesh->positions && mesh->normals && (!has_uvs || mesh->uvs) && mesh->indices &&
+         (!has_parts || mesh->part_ids) && mesh->paints && mesh->textures;
 }
 
 static void send_mesh(const void *context, StyPipe *pipe) {
@@ -43,7 +47,7 @@ static void send_mesh(const void *context, StyPipe *pipe) {
   sty_send(pipe, mesh->normals, 3 * mesh->vertex_count * sizeof *mesh->normals);
   if (mesh->uvs) sty_send(pipe, mesh->uvs, 2 * mesh->vertex_count * sizeof *mesh->uvs);
   sty_send(pipe, mesh->indices, 3 * mesh->triangle_count * sizeof *mesh->indices);
-  sty_send(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids);
+  if (mesh->part_ids) sty_send(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids);
   sty_send(pipe, mesh->paints, (size_t)mesh->part_count * sizeof *mesh->paints);
   for (int t = 0; t < mesh->texture_count; t++) {
     const size_t size = strlen(mesh->textures[t]);
@@ -64,7 +68,7 @@ static bool receive_arrays(StyPipe *pipe, StyMesh *mesh) {
                sty_receive(pipe, mesh->normals, 3 * mesh->vertex_count * sizeof *mesh->normals) &&
                (!mesh->uvs || sty_receive(pipe, mesh->uvs, 2 * mesh->vertex_count * sizeof *mesh->uvs)) &&
                sty_receive(pipe, mesh->indices, 3 * mesh->triangle_count * sizeof *mesh->indices) &&
-               sty_receive(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids) &&
+               (!mesh->part_ids || sty_receive(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids)) &&
                sty_receive(pipe, mesh->paints, (size_t)mesh->part_count * sizeof *mesh->paints);
   for (int t = 0; whole && t < mesh->texture_count; t++) whole = receive_texture(pipe, &mesh->textures[t]);
   return whole;
@@ -74,7 +78,7 @@ static bool receive_arrays(StyPipe *pipe, StyMesh *mesh) {
 static bool is_sound(const StyMesh *mesh) {
   for (size_t i = 0; i < 3 * mesh->triangle_count; i++)
     if (mesh->indices[i] >= mesh->vertex_count) return false;
-  for (size_t t = 0; t < mesh->triangle_count; t++)
+  for (size_t t = 0; mesh->part_ids && t < mesh->triangle_count; t++)
     if (mesh->part_ids[t] < 1 || mesh->part_ids[t] > (uint32_t)mesh->part_count) return false;
   for (int p = 0; p < mesh->part_count; p++)
     if (mesh->paints[p].texture >= mesh->texture_count) return false;
@@ -84,8 +88,8 @@ static bool is_sound(const StyMesh *mesh) {
 static bool is_possible(const StyMesh *mesh) {
   return mesh->triangle_count > 0 && mesh->triangle_count <= STY_MAX_TRIANGLES && mesh->vertex_count > 0 &&
          mesh->vertex_count <= 3 * mesh->triangle_count && mesh->part_count > 0 &&
-         (size_t)mesh->part_count <= mesh->triangle_count && mesh->texture_count >= 0 &&
-         mesh->texture_count <= mesh->part_count;
+         (size_t)mesh->part_count <= mesh->triangle_count && (mesh->part_ids || mesh->part_count == 1) &&
+         mesh->texture_count >= 0 && mesh->texture_count <= mesh->part_count;
 }
 
 static StyStatus receive_mesh(void *context, StyPipe *pipe, StyError *error) {
@@ -98,7 +102,7 @@ static StyStatus receive_mesh(void *context, StyPipe *pipe, StyError *error) {
     *mesh = sent;
     mesh->textures = NULL; /* pointers are the child's until all are set */
     mesh->path = strdup(reading->path);
-    if (!allocate_arrays(mesh, sent.uvs) || !mesh->path)
+    if (!allocate_arrays(mesh, sent.uvs, sent.part_ids) || !mesh->path)
       return sty_fail_memory(error, reading->path, 36.0 * (double)mesh->vertex_count);
     whole = receive_arrays(pipe, mesh) && is_sound(mesh);
   }
@@ -111,29 +115,54 @@ static StyStatus receive_mesh(void *context, StyPipe *pipe, StyError *error) {
 
 static StyStatus import_mesh(void *context, StyError *error) {
   Reading *reading = context;
-  return sty_import_mesh(reading->path, reading->options, &reading->mesh, error);
+  return sty_import_mesh(reading->path, reading->keep_normals, &reading->mesh, error);
 }
 
-/* ---- */
-
-StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error) {
+static StyStatus run_importer(const char *path, bool keep_normals, StyMesh **out, StyError *error) {
   uint64_t size = 0;
-  Reading reading = {path, options, NULL};
+  Reading reading = {path, keep_normals, NULL};
   sty_check_file(path, &size, NULL); /* what is wrong with it, the import says */
-  const StyContained contained = {.name = path,
-                                  .worker = "the importer",
-                                  .seconds = LEAST_SECONDS + (double)size / BYTES_PER_SECOND,
-                                  .bytes = fmax(LEAST_BYTES, (double)size * MEMORY_PER_BYTE),
-                                  .work = import_mesh,
-                                  .send = send_mesh,
-                                  .receive = receive_mesh,
-                                  .context = &reading};
+  StyContained contained = {.name = path,
+                            .worker = "the importer",
+                            .seconds = LEAST_SECONDS + (double)size / BYTES_PER_SECOND,
+                            .bytes = fmax(LEAST_BYTES, (double)size * MEMORY_PER_BYTE),
+                            .work = import_mesh,
+                            .send = send_mesh,
+                            .receive = receive_mesh,
+                            .context = &reading};
   const StyStatus status = sty_run_contained(&contained, error);
   if (status)
     sty_destroy_mesh(&reading.mesh);
   else
     *out = reading.mesh;
+  if (!status) (*out)->import_bytes = contained.peak_bytes;
   return status;
+}
+
+/* ---- the mesh ------------------------------------------------------------------- */
+
+StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error) {
+  const double asked = options ? options->crease_angle : -1, crease_angle = asked < 0 ? DEFAULT_CREASE_ANGLE : asked;
+  const StyRun *run = options ? options->run : NULL;
+  if (isnan(asked) || asked > 180)
+    return sty_fail(error, STY_ERROR_USAGE, "crease angle: found %g, expected 0 to 180 degrees", asked);
+  StyMesh *mesh = NULL;
+  sty_begin_stage(run, "reading");
+  StyStatus status = sty_is_ply(path) ? sty_read_ply(path, asked < 0, run, &mesh, error) : STY_OK;
+  if (!status && !mesh) status = run_importer(path, asked < 0, &mesh, error);
+  sty_begin_stage(run, "smoothing");
+  if (!status) status = sty_compute_normals(mesh, crease_angle, run, error);
+  if (status)
+    sty_destroy_mesh(&mesh);
+  else
+    *out = mesh;
+  return status;
+}
+
+double sty_get_mesh_bytes(const StyMesh *mesh) {
+  const size_t vertex = 6 * sizeof(float) + (mesh->uvs ? 2 * sizeof(float) : 0);
+  const size_t triangle = 3 * sizeof(uint32_t) + (mesh->part_ids ? sizeof(uint32_t) : 0);
+  return (double)(mesh->vertex_count * vertex + mesh->triangle_count * triangle);
 }
 
 void sty_destroy_mesh(StyMesh **mesh) {

@@ -5,6 +5,7 @@
 
 #include "bridge/surface.h"
 #include "scene/forest.h"
+#include "scene/normals.h"
 #include "scene/share.h"
 #include "scene/soup.h"
 
@@ -176,16 +177,16 @@ static StyStatus rebuild(StyMesh *mesh, const StySoup *soup, const unsigned char
   StyMesh *made = calloc(1, sizeof *made);
   StyCorner *corners = copy_corners(soup, turned);
   StyStatus status = STY_OK;
-  if (made) made->part_ids = malloc(count * sizeof *made->part_ids);
-  if (!made || !corners || !made->part_ids)
+  if (made && mesh->part_ids) made->part_ids = malloc(count * sizeof *made->part_ids);
+  if (!made || !corners || (mesh->part_ids && !made->part_ids))
     status = sty_fail_memory(error, "mesh corners", (double)(3 * count * sizeof *corners));
-  if (!status && mesh->crease_angle >= 0) status = sty_smooth_corners(corners, count, mesh->crease_angle, error);
   if (!status) {
     made->triangle_count = count;
-    for (size_t t = 0; t < count; t++) made->part_ids[t] = mesh->part_ids[soup->triangles[t]];
+    for (size_t t = 0; t < count && mesh->part_ids; t++) made->part_ids[t] = mesh->part_ids[soup->triangles[t]];
     status = sty_share_vertices(made, corners, mesh->uvs, error);
   }
   free(corners);
+  if (!status && mesh->crease_angle >= 0) status = sty_compute_normals(made, mesh->crease_angle, NULL, error);
   if (status) {
     sty_destroy_mesh(&made);
     return status;

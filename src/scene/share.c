@@ -7,7 +7,8 @@ StyStatus sty_share_vertices(StyMesh *mesh, const StyCorner *corners, bool has_u
   const size_t count = 3 * mesh->triangle_count, size = has_uvs ? sizeof *corners : offsetof(StyCorner, uv);
   mesh->indices = malloc(count * sizeof *mesh->indices);
   if (!mesh->indices) return sty_fail_memory(error, "mesh indices", (double)(count * sizeof *mesh->indices));
-  StyStatus status = sty_number_corners(corners, count, size, mesh->indices, &mesh->vertex_count, error);
+  StyStatus status =
+      sty_number_distinct(corners, sizeof *corners, count, size, mesh->indices, &mesh->vertex_count, error);
   if (status != STY_OK) return status;
   mesh->positions = calloc(3 * mesh->vertex_count + 1, sizeof *mesh->positions);
   mesh->normals = malloc(3 * mesh->vertex_count * sizeof *mesh->normals);

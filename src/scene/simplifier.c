@@ -35,8 +35,8 @@ static uint32_t find_own_vertex(const StySoup *soup, size_t triangle, uint32_t p
 
 static bool is_smooth(const StySoup *soup, const StyWinding *winding, const StyEdge *a, const StyEdge *b) {
   const size_t s = a->corner / 3, t = b->corner / 3;
-  const uint32_t *parts = soup->mesh->part_ids, low = winding->origins[a->low], high = winding->origins[a->high];
-  return parts[soup->triangles[s]] == parts[soup->triangles[t]] &&
+  const uint32_t low = winding->origins[a->low], high = winding->origins[a->high];
+  return sty_get_part(soup->mesh, soup->triangles[s]) == sty_get_part(soup->mesh, soup->triangles[t]) &&
          find_own_vertex(soup, s, low) == find_own_vertex(soup, t, low) &&
          find_own_vertex(soup, s, high) == find_own_vertex(soup, t, high);
 }
@@ -252,13 +252,14 @@ static StyStatus fill_mesh(const StySimplifier *simplifier, StyMesh *mesh, StyEr
   uint32_t *corners = malloc(3 * count * sizeof *corners), *triangles = malloc(count * sizeof *triangles),
            *numbers = malloc(from->vertex_count * sizeof *numbers);
   mesh->indices = malloc(3 * count * sizeof *mesh->indices);
-  mesh->part_ids = malloc(count * sizeof *mesh->part_ids);
+  if (from->part_ids) mesh->part_ids = malloc(count * sizeof *mesh->part_ids);
   StyStatus status = STY_OK;
-  if (!corners || !triangles || !numbers || !mesh->indices || !mesh->part_ids)
+  if (!corners || !triangles || !numbers || !mesh->indices || (from->part_ids && !mesh->part_ids))
     status = sty_fail_memory(error, "mesh triangles", (double)(32 * count));
   if (!status) {
     sty_list_surface(simplifier->last, corners, triangles);
-    for (size_t t = 0; t < count; t++) mesh->part_ids[t] = from->part_ids[simplifier->soup.triangles[triangles[t]]];
+    for (size_t t = 0; t < count && from->part_ids; t++)
+      mesh->part_ids[t] = from->part_ids[simplifier->soup.triangles[triangles[t]]];
     status = number_vertices(simplifier, corners, triangles, numbers, mesh, error);
   }
   if (!status) status = copy_vertices(from, numbers, mesh, error);

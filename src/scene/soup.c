@@ -5,17 +5,6 @@
 
 #include "scene/corners.h"
 
-/* The number of each vertex' point. */
-static StyStatus number_points(const StyMesh *mesh, uint32_t *ids, size_t *count, StyError *error) {
-  StyCorner *places = calloc(mesh->vertex_count, sizeof *places);
-  if (!places) return sty_fail_memory(error, "points", (double)(mesh->vertex_count * sizeof *places));
-  for (size_t v = 0; v < mesh->vertex_count; v++)
-    memcpy(places[v].position, &mesh->positions[3 * v], sizeof places->position);
-  const StyStatus status = sty_number_corners(places, mesh->vertex_count, sizeof places->position, ids, count, error);
-  free(places);
-  return status;
-}
-
 static StyStatus fill_soup(const StyMesh *mesh, const uint32_t *ids, StySoup *soup, StyError *error) {
   const size_t triangles = mesh->triangle_count, bytes = 12 * soup->point_count + 16 * triangles;
   soup->points = malloc(3 * soup->point_count * sizeof *soup->points);
@@ -33,7 +22,8 @@ StyStatus sty_make_soup(const StyMesh *mesh, StySoup *out, StyError *error) {
   StySoup soup = {.mesh = mesh, .triangle_count = mesh->triangle_count};
   uint32_t *ids = malloc(mesh->vertex_count * sizeof *ids);
   if (!ids) return sty_fail_memory(error, "points", (double)(mesh->vertex_count * sizeof *ids));
-  StyStatus status = number_points(mesh, ids, &soup.point_count, error);
+  StyStatus status = sty_number_distinct(mesh->positions, 3 * sizeof *mesh->positions, mesh->vertex_count,
+                                         3 * sizeof *mesh->positions, ids, &soup.point_count, error);
   if (!status) status = fill_soup(mesh, ids, &soup, error);
   free(ids);
   if (status)

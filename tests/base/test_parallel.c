@@ -1,3 +1,4 @@
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -136,11 +137,77 @@ static void test_clock(void **state) {
                            (double)(outer[1].tv_nsec - outer[0].tv_nsec) * 1e-6 + 1e-3);
 }
 
+/* Works for `seconds` at a rate, in steps of a tenth of a second, from where the pace is; what it says at the end. */
+static double work_on(StyPace *pace, double *now, double *done, double rate, double seconds) {
+  double left = -1;
+  for (int step = 0; step < seconds * 10; step++) {
+    *now += 100;
+    *done += rate / 10;
+    left = sty_keep_pace(pace, *now, *done);
+  }
+  return left / 1000;
+}
+
+static void expect_about(double found, double expected) {
+  if (!(fabs(found - expected) <= 0.15 * expected)) fail_msg("found %g s left, expected about %g", found, expected);
+}
+
+static void test_pace(void **state) {
+  (void)state;
+  double now = 5e6, done = 0;
+  StyPace pace = sty_begin_pace(now);
+  assert_true(work_on(&pace, &now, &done, 0.01, 0.9) < 0); /* too early to say */
+  expect_about(work_on(&pace, &now, &done, 0.01, 9.1), 90);
+  expect_about(work_on(&pace, &now, &done, 0.01, 40), 50);
+  /* Four times as slow from here on: it is soon noticed. By the mean rate of all of it 59 s would be left. */
+  expect_about(work_on(&pace, &now, &done, 0.0025, 60), 140);
+  /* Nothing arrives for a while: the time goes on, and never below 0. */
+  const double before = sty_keep_pace(&pace, now, done);
+  assert_true(sty_keep_pace(&pace, now + 50, done) == before - 50);
+  assert_true(sty_keep_pace(&pace, now + 1e7, 1) >= 0);
+}
+
+/* Two results that arrive together are no reason to think that all goes fast. */
+static void test_pace_of_bursts(void **state) {
+  (void)state;
+  StyPace pace = sty_begin_pace(0);
+  double left = -1;
+  for (int i = 1; i <= 20; i++) {
+    sty_keep_pace(&pace, 1000 * i, (2 * i - 1) / 100.0);
+    left = sty_keep_pace(&pace, 1000 * i + 1, 2 * i / 100.0);
+  }
+  expect_about(left / 1000, 30);
+}
+
+static void note_stage(void *context, const char *name) { *(const char **)context = name; }
+
+static void test_shares_and_stages(void **state) {
+  (void)state;
+  Watch watch = {0};
+  const StyRun whole = {.threads = 3, .progress = watch_progress, .context = &watch};
+  StyShare share = {&whole, 0.25, 0.5};
+  const StyRun part = sty_share_run(&share);
+  assert_int_equal(part.threads, 3);
+  part.progress(part.context, 0.5);
+  assert_true(watch.last == 0.5);
+  part.progress(part.context, 1);
+  assert_true(watch.last == 0.75);
+  StyShare of_none = {NULL, 0, 1};
+  assert_null(sty_share_run(&of_none).progress);
+  const char *name = NULL;
+  sty_begin_stage(&(StyRun){.stage = note_stage, .context = (void *)&name}, "reading");
+  assert_string_equal(name, "reading");
+  sty_begin_stage(NULL, "building");
+  sty_begin_stage(&whole, "building");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_threads),        cmocka_unit_test(test_every_item_once),
       cmocka_unit_test(test_lowest_failure), cmocka_unit_test(test_last_item_fails),
-      cmocka_unit_test(test_progress),       cmocka_unit_test(test_clock),
+      cmocka_unit_test(test_progress),       cmocka_unit_test(test_pace),
+      cmocka_unit_test(test_pace_of_bursts), cmocka_unit_test(test_shares_and_stages),
+      cmocka_unit_test(test_clock),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

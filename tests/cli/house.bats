@@ -150,7 +150,7 @@ long_work=(lut long.exr -s 300 -e brute -o out.exr)
   accept "${long_work[@]}" --progress none
   "$STYLUT" "${long_work[@]}" --progress json >/dev/null 2>progress.txt
   expect_less 'lines of progress' 3 "$(wc -l <progress.txt)"
-  expect 'lines that are not progress' "$(grep -vcE '^\{"stage": "[a-z]+", "percent": [0-9]+\}$' progress.txt)" 0
+  expect 'lines that are not progress' "$(grep -vcE '^\{"stage": "[a-z]+", "percent": [0-9]+, "left_s": (null|[0-9.]+)\}$' progress.txt)" 0
   expect 'percents in order' "$(json - 'r.every((p, i) => !i || p.percent >= r[i - 1].percent) && r[r.length - 1].percent' < <(sed -e '1s/^/[/; $s/$/]/; $!s/$/,/' progress.txt))" 100
   "$STYLUT" "${long_work[@]}" --progress bar >/dev/null 2>bar.txt
   expect_match 'bar when asked for' "$(tr '\r' '\n' <bar.txt | tail -n 2)" 'searching +\[#+\.*\] +[0-9]+ %'

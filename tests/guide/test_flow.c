@@ -278,7 +278,7 @@ static void test_threads_give_the_same_bytes(void **state) {
   StyImage *expected = estimate(&pair, &options, &first);
   static const int threads[] = {1, 2, 3, 8, 1};
   for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
-    const StyRun run = {threads[t], NULL, NULL};
+    const StyRun run = {.threads = threads[t]};
     StyFlowFigures figures;
     StyImage *flow = NULL;
     assert_int_equal(sty_estimate_flow(NAMES, pair.frame, pair.previous, &options, &run, &figures, &flow, NULL),

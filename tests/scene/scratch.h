@@ -48,7 +48,7 @@ static inline const char *write_bytes(Scratch *scratch, const char *name, const 
 /* Reads the mesh whose text is given, and takes the file away again. */
 static inline StyStatus read_text_mesh(Scratch *scratch, const char *name, const char *text, double crease_angle,
                                        StyMesh **mesh, StyError *error) {
-  const StyMeshOptions options = {crease_angle};
+  const StyMeshOptions options = {.crease_angle = crease_angle};
   const StyStatus status = sty_read_mesh(write_bytes(scratch, name, text, strlen(text)), &options, mesh, error);
   unlink(scratch->path);
   return status;

@@ -240,7 +240,7 @@ static void test_not_a_mesh(void **state) {
   snprintf(path, sizeof path, "%s/missing.obj", scratch->folder);
   assert_int_equal(sty_read_mesh(path, NULL, &scene, &error), STY_ERROR_FILE);
   assert_non_null(strstr(error.text, "missing.obj"));
-  const StyMeshOptions beyond = {181};
+  const StyMeshOptions beyond = {.crease_angle = 181};
   assert_int_equal(sty_read_mesh(path, &beyond, &scene, &error), STY_ERROR_USAGE);
 }
 
