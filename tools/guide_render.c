@@ -75,7 +75,7 @@ static StyStatus list_inputs(const Work *work, const char ***out, int *count, St
   }
   const bool coloured = arguments->groups & COLOURED;
   for (int t = 0; coloured && work->shot.scene && t < work->shot.scene->texture_count; t++)
-    inputs[(*count)++] = work->shot.scene->textures[t];
+    if (!work->shot.scene->textures[t].bytes) inputs[(*count)++] = work->shot.scene->textures[t].path;
   *out = inputs;
   return STY_OK;
 }

@@ -67,7 +67,7 @@ typedef struct StyScene {
   int sphere_count;
   StyLight *lights;
   int light_count;
-  char **textures; /* paths */
+  StyPicture *textures; /* owned */
   int texture_count;
   double ambient;                /* reaches every surface from everywhere */
   bool shadows;                  /* whether things stand in each other's light */
@@ -82,7 +82,8 @@ extern const double sty_identity[3][4];
 StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
 
-/* The number of the texture at this path, which is remembered but not opened. */
+/* The number of the texture at this path, which is remembered but not opened. Pictures that a mesh brings along become
+ * the scene's with the mesh, and its paints then have their numbers here. */
 StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error);
 
 /* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
