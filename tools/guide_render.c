@@ -31,8 +31,10 @@ static StyStatus open_shot(const GuideArguments *arguments, const char *path, co
   StyViewpoint viewpoint;
   Shot shot = {0};
   StyStatus status = read_scene(arguments, path, run, &shot.scene, &viewpoint, error);
-  if (!status)
+  if (!status) {
     status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
+    if (status) sty_fail(error, status, "%s: %s", path, error->text);
+  }
   if (status)
     sty_destroy_scene(&shot.scene);
   else
@@ -73,7 +75,7 @@ static StyStatus list_inputs(const Work *work, const char ***out, int *count, St
   }
   const bool coloured = arguments->groups & COLOURED;
   for (int t = 0; coloured && work->shot.scene && t < work->shot.scene->texture_count; t++)
-    inputs[(*count)++] = work->shot.scene->textures[t];
+    if (!work->shot.scene->textures[t].bytes) inputs[(*count)++] = work->shot.scene->textures[t].path;
   *out = inputs;
   return STY_OK;
 }

@@ -26,18 +26,25 @@ typedef struct StyPaint {
   int texture;      /* index of the mesh's textures, once it is part of a scene of the scene's; -1: none */
 } StyPaint;
 
+/* A picture that surfaces show. */
+typedef struct StyPicture {
+  char *path;           /* its file; of one inside a mesh's file, what messages call it */
+  unsigned char *bytes; /* of the latter: a picture's file, byte by byte; NULL: at the path */
+  size_t size;
+} StyPicture;
+
 typedef struct StyMesh {
   char *path; /* the file */
   size_t vertex_count;
   size_t triangle_count;
-  int part_count;     /* parts of the file; ids are 1 .. part_count */
-  float *positions;   /* 3 per vertex, trace space; one more float follows (Embree reads 16 bytes) */
-  float *normals;     /* 3 per vertex, unit length, world frame */
-  float *uvs;         /* 2 per vertex, v up; NULL where the file has none */
-  uint32_t *indices;  /* 3 per triangle, counter-clockwise seen from outside */
-  uint32_t *part_ids; /* 1 per triangle; NULL: the mesh has one part */
-  StyPaint *paints;   /* 1 per part, of the file's materials; NULL: all white */
-  char **textures;    /* paths of the pictures that they name, beside the file */
+  int part_count;       /* parts of the file; ids are 1 .. part_count */
+  float *positions;     /* 3 per vertex, trace space; one more float follows (Embree reads 16 bytes) */
+  float *normals;       /* 3 per vertex, unit length, world frame */
+  float *uvs;           /* 2 per vertex, v up; NULL where the file has none */
+  uint32_t *indices;    /* 3 per triangle, counter-clockwise seen from outside */
+  uint32_t *part_ids;   /* 1 per triangle; NULL: the mesh has one part */
+  StyPaint *paints;     /* 1 per part, of the file's materials; NULL: all white */
+  StyPicture *textures; /* that they name, beside the file or inside of it; a scene takes them over */
   int texture_count;
   double centre[3];              /* world */
   double scale;                  /* trace units per world unit */
@@ -74,7 +81,7 @@ bool sty_is_mesh_file(const char *path);
  * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
  * faces, all faces without area, NaN or infinite coordinates, indices out of
  * range; the message names the file and the first offending vertex or face),
- * STY_ERROR_LIBRARY (memory). Textures aren't opened; those inside the file are left out. */
+ * STY_ERROR_LIBRARY (memory). Textures aren't opened. */
 StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error);
 
 /* Frees and nulls *mesh. */

@@ -13,6 +13,12 @@
 extern "C" {
 #endif
 
+/* Within this a camera's eye and the halves of its film lie, trace units: what rays in floats can bear. */
+#define STY_MAX_CAMERA 1e6
+
+/* An object is at least as thick as this share of the scene's extent, for the same reason. */
+#define STY_MIN_THICKNESS 1e-11
+
 enum { STY_MOST_OBJECTS = 65536, STY_MOST_STYLE = 255, STY_MOST_LIGHTS = 64, STY_MOST_TEXTURES = 4096 };
 
 /* How a surface answers light, scene-linear: Lambert, and Blinn-Phong's highlight (Blinn 1977). */
@@ -61,7 +67,7 @@ typedef struct StyScene {
   int sphere_count;
   StyLight *lights;
   int light_count;
-  char **textures; /* paths */
+  StyPicture *textures; /* owned */
   int texture_count;
   double ambient;                /* reaches every surface from everywhere */
   bool shadows;                  /* whether things stand in each other's light */
@@ -76,7 +82,8 @@ extern const double sty_identity[3][4];
 StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
 
-/* The number of the texture at this path, which is remembered but not opened. */
+/* The number of the texture at this path, which is remembered but not opened. Pictures that a mesh brings along become
+ * the scene's with the mesh, and its paints then have their numbers here. */
 StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error);
 
 /* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
@@ -90,7 +97,7 @@ StyStatus sty_add_light(StyScene *scene, const StyLight *light, StyError *error)
 
 /* To be called when all is there: numbers objects, their parts in turn and then spheres,
  * from 1, and sets bounds and trace space. STY_ERROR_INPUT: an empty scene, one without
- * extent, or one that reaches beyond 1e30. */
+ * extent, one that reaches beyond 1e30, or with an object that is too thin for it. */
 StyStatus sty_finish_scene(StyScene *scene, StyError *error);
 
 /* A scene of one mesh as it stands in its file, of style 1, finished; the mesh is taken over. */

@@ -47,7 +47,7 @@ StyStatus sty_read_scene(const char *path, const StyMeshOptions *options, StySce
  * somewhere, so "fit", which takes a scene, is STY_ERROR_INPUT. */
 StyStatus sty_read_stand(const char *path, StyStand *out, StyError *error);
 
-/* sty_fit_camera or sty_place_camera, as the viewpoint asks. */
+/* sty_fit_camera or sty_place_camera, as the viewpoint asks. STY_ERROR_INPUT: beyond STY_MAX_CAMERA, too. */
 StyStatus sty_set_camera(const StyScene *scene, const StyViewpoint *viewpoint, int width, int height, StyCamera *out,
                          StyError *error);
 

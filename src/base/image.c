@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 StyStatus sty_create_image(int width, int height, int channel_count, const char *const *names, int bits, StyImage **out,
                            StyError *error) {
   if (width < 1 || height < 1 || width > STY_MAX_SIDE || height > STY_MAX_SIDE ||
@@ -18,7 +20,8 @@ StyStatus sty_create_image(int width, int height, int channel_count, const char 
   if (image) {
     *image = (StyImage){.width = width, .height = height, .channel_count = channel_count, .bits = bits};
     image->names = calloc((size_t)channel_count, sizeof *image->names);
-    image->data = calloc(values, sizeof *image->data);
+    image->data = sty_allocate_large(values * sizeof *image->data);
+    if (image->data) memset(image->data, 0, values * sizeof *image->data);
   }
   if (!image || !image->names || !image->data) {
     sty_destroy_image(&image);

@@ -5,7 +5,7 @@
 
 /* A band is of so many values at most, and of so many rows at least. */
 static const size_t BAND_VALUES = (size_t)1 << 24;
-enum { ROW_STEP = 32, MOST_ROWS = 64 };
+enum { ROW_STEP = 32, MOST_ROWS = 128 };
 
 /* Rows on their way to the sink, in a thread of their own. */
 typedef struct Delivery {

@@ -1,11 +1,16 @@
 #include "guide/paint.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "bridge/texture.h"
 
 struct StyPalette {
   StyTextureMap **textures; /* 1 per texture of the scene */
+  int *files;               /* those of pictures inside a mesh's file; -1: another's */
   int count;
   bool nearest;
 };
@@ -23,27 +28,56 @@ static void mark_used(const StyScene *scene, bool *used) {
     if (scene->spheres[s].material.paint.texture >= 0) used[scene->spheres[s].material.paint.texture] = true;
 }
 
+/* A file without a place for what came inside another: picture libraries read files. Its path lives as long as it. */
+static StyStatus make_file(const StyPicture *picture, int *file, char path[32], StyError *error) {
+  *file = memfd_create("picture", MFD_CLOEXEC);
+  for (size_t done = 0; *file >= 0 && done < picture->size;) {
+    const ssize_t written = write(*file, picture->bytes + done, picture->size - done);
+    if (written <= 0) return sty_fail_memory(error, picture->path, (double)picture->size);
+    done += (size_t)written;
+  }
+  snprintf(path, 32, "/proc/self/fd/%d", *file);
+  return *file >= 0 ? STY_OK : sty_fail_memory(error, picture->path, (double)picture->size);
+}
+
+static StyStatus open_picture(StyPalette *palette, const StyPicture *picture, int number, StyError *error) {
+  if (!picture->bytes) return sty_open_texture_map(picture->path, &palette->textures[number], error);
+  char path[32];
+  StyError cause;
+  StyStatus status = make_file(picture, &palette->files[number], path, error);
+  if (status) return status;
+  status = sty_open_texture_map(path, &palette->textures[number], &cause);
+  const size_t length = strlen(path);
+  const bool named = status && strncmp(cause.text, path, length) == 0; /* by the path, which nobody knows */
+  return status ? sty_fail(error, status, "%s%s", picture->path, named ? cause.text + length : cause.text) : STY_OK;
+}
+
 static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError *error) {
   bool *used = calloc((size_t)scene->texture_count + 1, sizeof *used);
   if (!used) return sty_fail_memory(error, "textures", scene->texture_count);
   mark_used(scene, used);
   StyStatus status = STY_OK;
   for (int t = 0; t < scene->texture_count && !status; t++)
-    if (used[t]) status = sty_open_texture_map(scene->textures[t], &palette->textures[t], error);
+    if (used[t]) status = open_picture(palette, &scene->textures[t], t, error);
   free(used);
   return status;
 }
 
 StyStatus sty_open_palette(const StyScene *scene, bool nearest, StyPalette **out, StyError *error) {
+  const size_t count = (size_t)scene->texture_count;
   StyPalette *palette = calloc(1, sizeof *palette);
-  if (palette) palette->textures = calloc((size_t)scene->texture_count + 1, sizeof(StyTextureMap *));
-  if (!palette || !palette->textures) {
-    free(palette);
-    return sty_fail_memory(error, "textures", (double)scene->texture_count * sizeof(StyTextureMap *));
-  }
+  if (!palette) return sty_fail_memory(error, "textures", sizeof *palette);
+  palette->textures = calloc(count + 1, sizeof(StyTextureMap *));
+  palette->files = malloc((count + 1) * sizeof *palette->files);
   palette->nearest = nearest;
-  palette->count = scene->texture_count;
-  const StyStatus status = open_used(palette, scene, error);
+  StyStatus status = STY_OK;
+  if (palette->textures && palette->files) {
+    palette->count = scene->texture_count;
+    for (size_t t = 0; t < count; t++) palette->files[t] = -1;
+    status = open_used(palette, scene, error);
+  } else {
+    status = sty_fail_memory(error, "textures", (double)count * sizeof(StyTextureMap *));
+  }
   if (status)
     sty_close_palette(&palette);
   else
@@ -53,8 +87,12 @@ StyStatus sty_open_palette(const StyScene *scene, bool nearest, StyPalette **out
 
 void sty_close_palette(StyPalette **palette) {
   if (!palette || !*palette) return;
-  for (int t = 0; t < (*palette)->count; t++) sty_close_texture_map(&(*palette)->textures[t]);
+  for (int t = 0; t < (*palette)->count; t++) {
+    sty_close_texture_map(&(*palette)->textures[t]);
+    if ((*palette)->files[t] >= 0) close((*palette)->files[t]);
+  }
   free((*palette)->textures);
+  free((*palette)->files);
   free(*palette);
   *palette = NULL;
 }

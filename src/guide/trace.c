@@ -16,9 +16,6 @@
 
 enum { TILE = STY_STRIP_WIDTH }; /* pixels, whole blocks */
 
-/* Embree aborts on absurd origins; a camera near the scene is far below this. */
-static const double LARGEST_CAMERA = 1e6;
-
 /* What a picture is made from. */
 typedef struct Render {
   const StyScene *scene;
@@ -170,9 +167,9 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
                            camera->right[2], camera->up[0],   camera->up[1],      camera->up[2],      camera->back[0],
                            camera->back[1],  camera->back[2], camera->half_width, camera->half_height};
   for (size_t i = 0; i < sizeof values / sizeof *values; i++)
-    if (!(fabs(values[i]) <= LARGEST_CAMERA))
+    if (!(fabs(values[i]) <= STY_MAX_CAMERA))
       return sty_fail(error, STY_ERROR_USAGE, "camera: found the value %g, expected at most %g scene sizes", values[i],
-                      LARGEST_CAMERA);
+                      STY_MAX_CAMERA);
   return STY_OK;
 }
 

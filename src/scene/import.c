@@ -374,30 +374,56 @@ static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **o
 
 /* ---- materials ---- */
 
-/* The picture of a part's material, beside the file; NULL: none, or one inside the file. */
-static char *find_texture(const char *path, const struct aiMaterial *material) {
-  struct aiString name;
-  if (aiGetMaterialTexture(material, aiTextureType_DIFFUSE, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) !=
-          aiReturn_SUCCESS &&
-      aiGetMaterialTexture(material, aiTextureType_BASE_COLOR, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) !=
-          aiReturn_SUCCESS)
-    return NULL;
-  if (name.length == 0 || name.data[0] == '*') return NULL;
-  for (char *c = name.data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
-  char *folder = sty_get_folder(path);
-  char *texture = folder ? sty_join_path(folder, name.data) : NULL;
-  free(folder);
-  return texture;
+/* What the material calls its picture: base colours of glTF files, diffuse ones of others. */
+static bool name_texture(const struct aiMaterial *material, struct aiString *name) {
+  static const enum aiTextureType TYPES[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
+  for (size_t t = 0; t < sizeof TYPES / sizeof *TYPES; t++)
+    if (aiGetMaterialTexture(material, TYPES[t], 0, name, NULL, NULL, NULL, NULL, NULL, NULL) == aiReturn_SUCCESS &&
+        name->length > 0)
+      return true;
+  return false;
 }
 
-/* The number of the mesh's texture at this path, which is taken over. */
-static int number_texture(StyMesh *mesh, char *path) {
+/* One inside the file, called "*0" and so on, as it is packed there: no height means a picture's file of so many bytes.
+ */
+static StyPicture copy_inner_texture(const Import *import, const struct aiString *name) {
+  const unsigned long number = strtoul(name->data + 1, NULL, 10);
+  const struct aiTexture *inner = number < import->file->mNumTextures ? import->file->mTextures[number] : NULL;
+  if (!inner || inner->mHeight > 0 || inner->mWidth == 0) return (StyPicture){0};
+  StyPicture picture = {.bytes = malloc(inner->mWidth), .size = inner->mWidth};
+  if (picture.bytes) memcpy(picture.bytes, inner->pcData, picture.size);
+  if (!picture.bytes || asprintf(&picture.path, "%s: picture %lu", import->path, number + 1) < 0) {
+    free(picture.bytes);
+    return (StyPicture){0};
+  }
+  return picture;
+}
+
+/* One beside the file. */
+static StyPicture find_outer_texture(const char *path, struct aiString *name) {
+  for (char *c = name->data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
+  char *folder = sty_get_folder(path);
+  const StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL};
+  free(folder);
+  return picture;
+}
+
+/* The picture of a part's material; without a path: none. */
+static StyPicture find_texture(const Import *import, const struct aiMaterial *material) {
+  struct aiString name;
+  if (!name_texture(material, &name)) return (StyPicture){0};
+  return name.data[0] == '*' ? copy_inner_texture(import, &name) : find_outer_texture(import->path, &name);
+}
+
+/* The number of the mesh's texture that this is, which is taken over. */
+static int number_texture(StyMesh *mesh, StyPicture *picture) {
   for (int t = 0; t < mesh->texture_count; t++)
-    if (strcmp(mesh->textures[t], path) == 0) {
-      free(path);
+    if (strcmp(mesh->textures[t].path, picture->path) == 0) {
+      free(picture->path);
+      free(picture->bytes);
       return t;
     }
-  mesh->textures[mesh->texture_count] = path;
+  mesh->textures[mesh->texture_count] = *picture;
   return mesh->texture_count++;
 }
 
@@ -420,8 +446,8 @@ static StyPaint read_paint(const Import *import, const Part *part, StyMesh *mesh
     const double found[3] = {(double)colour.r, (double)colour.g, (double)colour.b};
     for (int k = 0; k < 3; k++) paint.colour[k] = found[k] >= 0 && found[k] <= 1 ? found[k] : 1;
   }
-  char *texture = find_texture(import->path, material);
-  if (texture) paint.texture = number_texture(mesh, texture);
+  StyPicture texture = find_texture(import, material);
+  if (texture.path) paint.texture = number_texture(mesh, &texture);
   return paint;
 }
 

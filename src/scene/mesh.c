@@ -9,6 +9,7 @@
 #include "scene/corners.h"
 #include "scene/import.h"
 #include "scene/normals.h"
+#include "scene/picture.h"
 #include "scene/ply.h"
 #include "stylut/file.h"
 
@@ -50,17 +51,25 @@ static void send_mesh(const void *context, StyPipe *pipe) {
   if (mesh->part_ids) sty_send(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids);
   sty_send(pipe, mesh->paints, (size_t)mesh->part_count * sizeof *mesh->paints);
   for (int t = 0; t < mesh->texture_count; t++) {
-    const size_t size = strlen(mesh->textures[t]);
-    sty_send(pipe, &size, sizeof size);
-    sty_send(pipe, mesh->textures[t], size);
+    const StyPicture *picture = &mesh->textures[t];
+    const size_t length = strlen(picture->path);
+    sty_send(pipe, &length, sizeof length);
+    sty_send(pipe, picture->path, length);
+    sty_send(pipe, &picture->size, sizeof picture->size);
+    sty_send(pipe, picture->bytes, picture->size);
   }
 }
 
-static bool receive_texture(StyPipe *pipe, char **out) {
-  size_t size = 0;
-  if (!sty_receive(pipe, &size, sizeof size) || size > 1 << 20) return false;
-  *out = calloc(size + 1, 1);
-  return *out && sty_receive(pipe, *out, size);
+enum { MOST_PATH_BYTES = 1 << 20, MOST_PICTURE_BYTES = 1 << 30 };
+
+static bool receive_picture(StyPipe *pipe, StyPicture *out) {
+  size_t length = 0;
+  if (!sty_receive(pipe, &length, sizeof length) || length > MOST_PATH_BYTES) return false;
+  out->path = calloc(length + 1, 1);
+  if (!out->path || !sty_receive(pipe, out->path, length)) return false;
+  if (!sty_receive(pipe, &out->size, sizeof out->size) || out->size > MOST_PICTURE_BYTES) return false;
+  if (out->size) out->bytes = malloc(out->size);
+  return out->size == 0 || (out->bytes && sty_receive(pipe, out->bytes, out->size));
 }
 
 static bool receive_arrays(StyPipe *pipe, StyMesh *mesh) {
@@ -70,7 +79,7 @@ static bool receive_arrays(StyPipe *pipe, StyMesh *mesh) {
                sty_receive(pipe, mesh->indices, 3 * mesh->triangle_count * sizeof *mesh->indices) &&
                (!mesh->part_ids || sty_receive(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids)) &&
                sty_receive(pipe, mesh->paints, (size_t)mesh->part_count * sizeof *mesh->paints);
-  for (int t = 0; whole && t < mesh->texture_count; t++) whole = receive_texture(pipe, &mesh->textures[t]);
+  for (int t = 0; whole && t < mesh->texture_count; t++) whole = receive_picture(pipe, &mesh->textures[t]);
   return whole;
 }
 
@@ -165,6 +174,14 @@ double sty_get_mesh_bytes(const StyMesh *mesh) {
   return (double)(mesh->vertex_count * vertex + mesh->triangle_count * triangle);
 }
 
+void sty_destroy_pictures(StyPicture *pictures, int count) {
+  for (int p = 0; pictures && p < count; p++) {
+    free(pictures[p].path);
+    free(pictures[p].bytes);
+  }
+  free(pictures);
+}
+
 void sty_destroy_mesh(StyMesh **mesh) {
   if (!mesh || !*mesh) return;
   free((*mesh)->path);
@@ -172,8 +189,7 @@ void sty_destroy_mesh(StyMesh **mesh) {
   free((*mesh)->normals);
   free((*mesh)->uvs);
   free((*mesh)->paints);
-  for (int t = 0; (*mesh)->textures && t < (*mesh)->texture_count; t++) free((*mesh)->textures[t]);
-  free((*mesh)->textures);
+  sty_destroy_pictures((*mesh)->textures, (*mesh)->texture_count);
   free((*mesh)->indices);
   free((*mesh)->part_ids);
   free(*mesh);

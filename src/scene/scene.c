@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene/picture.h"
 #include "scene/points.h"
 #include "scene/vector.h"
 
@@ -24,8 +25,7 @@ void sty_destroy_scene(StyScene **scene) {
   free((*scene)->objects);
   free((*scene)->spheres);
   free((*scene)->lights);
-  for (int t = 0; t < (*scene)->texture_count; t++) free((*scene)->textures[t]);
-  free((*scene)->textures);
+  sty_destroy_pictures((*scene)->textures, (*scene)->texture_count);
   free(*scene);
   *scene = NULL;
 }
@@ -45,38 +45,65 @@ static StyStatus check_count(const StyScene *scene, StyError *error) {
   return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d objects, expected at most that", STY_MOST_OBJECTS);
 }
 
-StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error) {
-  for (*number = 0; *number < scene->texture_count; ++*number)
-    if (strcmp(scene->textures[*number], path) == 0) return STY_OK;
+static int find_texture(const StyScene *scene, const char *path) {
+  for (int t = 0; t < scene->texture_count; t++)
+    if (strcmp(scene->textures[t].path, path) == 0) return t;
+  return -1;
+}
+
+/* Takes the picture over, unless it fails. */
+static StyStatus append_texture(StyScene *scene, const StyPicture *picture, StyError *error) {
   if (scene->texture_count == STY_MOST_TEXTURES)
     return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d textures, expected at most that",
                     STY_MOST_TEXTURES);
   void *list = scene->textures;
   const StyStatus status = grow(&list, scene->texture_count, sizeof *scene->textures, "textures", error);
   scene->textures = list;
-  if (status) return status;
-  char *copy = strdup(path);
-  if (!copy) return sty_fail_memory(error, path, (double)strlen(path));
-  scene->textures[scene->texture_count++] = copy;
-  return STY_OK;
+  if (!status) scene->textures[scene->texture_count++] = *picture;
+  return status;
+}
+
+StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error) {
+  *number = find_texture(scene, path);
+  if (*number >= 0) return STY_OK;
+  *number = scene->texture_count;
+  const StyPicture picture = {.path = strdup(path)};
+  if (!picture.path) return sty_fail_memory(error, path, (double)strlen(path));
+  const StyStatus status = append_texture(scene, &picture, error);
+  if (status) free(picture.path);
+  return status;
+}
+
+static StyStatus take_texture(StyScene *scene, StyPicture *picture, int *number, StyError *error) {
+  *number = find_texture(scene, picture->path);
+  if (*number >= 0) return STY_OK;
+  *number = scene->texture_count;
+  const StyStatus status = append_texture(scene, picture, error);
+  if (!status) *picture = (StyPicture){0};
+  return status;
 }
 
 /* The mesh's textures become the scene's. */
-static StyStatus add_textures(StyScene *scene, StyMesh *mesh, StyError *error) {
-  for (int p = 0; mesh->paints && p < mesh->part_count; p++) {
-    StyPaint *paint = &mesh->paints[p];
-    if (paint->texture < 0) continue;
-    const StyStatus status = sty_add_texture(scene, mesh->textures[paint->texture], &paint->texture, error);
-    if (status) return status;
-  }
-  return STY_OK;
+static StyStatus take_textures(StyScene *scene, StyMesh *mesh, StyError *error) {
+  int *numbers = malloc(((size_t)mesh->texture_count + 1) * sizeof *numbers);
+  if (!numbers) return sty_fail_memory(error, "textures", mesh->texture_count);
+  StyStatus status = STY_OK;
+  for (int t = 0; t < mesh->texture_count && !status; t++)
+    status = take_texture(scene, &mesh->textures[t], &numbers[t], error);
+  for (int p = 0; mesh->paints && p < mesh->part_count && !status; p++)
+    if (mesh->paints[p].texture >= 0) mesh->paints[p].texture = numbers[mesh->paints[p].texture];
+  free(numbers);
+  sty_destroy_pictures(mesh->textures, mesh->texture_count);
+  mesh->textures = NULL;
+  mesh->texture_count = 0;
+  return status;
 }
 
 StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *error) {
   void *list = scene->meshes;
   StyStatus status = grow(&list, scene->mesh_count, sizeof *scene->meshes, "meshes", error);
   scene->meshes = list;
-  if (!status) status = add_textures(scene, *mesh, error);
+  if (!status) status = take_textures(scene, *mesh, error);
   if (status) {
     sty_destroy_mesh(mesh);
     return status;
@@ -87,7 +114,7 @@ StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *e
   return STY_OK;
 }
 
-/* A volume within what doubles can tell from none. */
+/* A volume that floats, in which rays are cast, can tell from none. */
 static bool is_regular(const double m[3][4]) {
   double size = 1, cross[3];
   for (int i = 0; i < 3; i++)
@@ -96,7 +123,7 @@ static bool is_regular(const double m[3][4]) {
   cross_vectors(m[1], m[2], cross);
   const double volume = dot_vectors(m[0], cross);
   for (int i = 0; i < 3; i++) size *= sqrt(dot_vectors(m[i], m[i]));
-  return fabs(volume) > 1e-9 * size && isfinite(volume);
+  return fabs(volume) > 2e-7 * size && isfinite(volume);
 }
 
 StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error) {
@@ -224,6 +251,31 @@ static StyStatus set_trace_space(StyScene *scene, StyError *error) {
              : sty_fail(error, STY_ERROR_INPUT, "scene: found no extent, expected something to see");
 }
 
+/* The extent of an object in the direction where it is thinnest, as a share of the scene's: that of a mesh is 1 in its
+ * own trace space, and the inverse of the matrix enlarges by no more than its norm. */
+static double measure_thickness(const StyScene *scene, const StyObject *object) {
+  double m[3][4], cofactors[3][3], squared = 0;
+  sty_get_object_matrix(scene, object, m);
+  for (int i = 0; i < 3; i++) {
+    cross_vectors(m[(i + 1) % 3], m[(i + 2) % 3], cofactors[i]);
+    squared += dot_vectors(cofactors[i], cofactors[i]);
+  }
+  return fabs(dot_vectors(m[0], cofactors[0])) / sqrt(squared);
+}
+
+/* Embree brings rays to an object's own space, and aborts the program where they reach 1e18 there: more than
+ * STY_MAX_CAMERA over the thickness, with room to spare. */
+static StyStatus check_thickness(const StyScene *scene, StyError *error) {
+  for (int o = 0; o < scene->object_count; o++) {
+    const double thickness = measure_thickness(scene, &scene->objects[o]);
+    if (!(thickness >= STY_MIN_THICKNESS))
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "scene: found object %d only %.3g of the scene's size thick, expected at least %g", o + 1,
+                      thickness, STY_MIN_THICKNESS);
+  }
+  return STY_OK;
+}
+
 StyStatus sty_finish_scene(StyScene *scene, StyError *error) {
   if (scene->object_count + scene->sphere_count == 0)
     return sty_fail(error, STY_ERROR_INPUT, "scene: found nothing in it, expected an object or a sphere");
@@ -238,7 +290,8 @@ StyStatus sty_finish_scene(StyScene *scene, StyError *error) {
     return STY_OK;
   }
   measure_bounds(scene);
-  return set_trace_space(scene, error);
+  const StyStatus status = set_trace_space(scene, error);
+  return status ? status : check_thickness(scene, error);
 }
 
 StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error) {

@@ -1,5 +1,6 @@
 #include "stylut/scene_file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -311,8 +312,22 @@ StyStatus sty_read_stand(const char *path, StyStand *out, StyError *error) {
   return status;
 }
 
+static StyStatus check_reach(const StyCamera *camera, StyError *error) {
+  const double half = fmax(camera->half_width, camera->half_height);
+  double farthest = 0;
+  for (int k = 0; k < 3; k++) farthest = fmax(farthest, fabs(camera->eye[k]));
+  if (farthest <= STY_MAX_CAMERA && half <= STY_MAX_CAMERA) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "camera: found it %.3g scene sizes away, its film %.3g wide, expected at most %g and %g",
+                  farthest / 2, half, STY_MAX_CAMERA / 2, STY_MAX_CAMERA);
+}
+
 StyStatus sty_set_camera(const StyScene *scene, const StyViewpoint *viewpoint, int width, int height, StyCamera *out,
                          StyError *error) {
-  return viewpoint->is_fit ? sty_fit_camera(scene, &viewpoint->view, width, height, out, error)
-                           : sty_place_camera(scene, &viewpoint->stand, width, height, out, error);
+  StyCamera camera;
+  StyStatus status = viewpoint->is_fit ? sty_fit_camera(scene, &viewpoint->view, width, height, &camera, error)
+                                       : sty_place_camera(scene, &viewpoint->stand, width, height, &camera, error);
+  if (!status) status = check_reach(&camera, error);
+  if (!status) *out = camera;
+  return status;
 }

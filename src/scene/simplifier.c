@@ -187,7 +187,7 @@ void sty_close_simplifier(StySimplifier **closed) {
 
 /* What a mesh is beside its triangles. */
 static StyStatus copy_frame(const StyMesh *from, StyMesh *to, StyError *error) {
-  const size_t parts = (size_t)from->part_count, textures = (size_t)from->texture_count;
+  const size_t parts = (size_t)from->part_count;
   *to = (StyMesh){.part_count = from->part_count,
                   .scale = from->scale,
                   .vertices_read = from->vertices_read,
@@ -202,14 +202,8 @@ static StyStatus copy_frame(const StyMesh *from, StyMesh *to, StyError *error) {
   bool failed = from->path && !(to->path = strdup(from->path));
   if (from->paints && !failed) {
     to->paints = malloc(parts * sizeof *to->paints);
-    to->textures = calloc(textures + 1, sizeof *to->textures);
-    failed = !to->paints || !to->textures;
+    failed = !to->paints;
     if (!failed) memcpy(to->paints, from->paints, parts * sizeof *to->paints);
-  }
-  for (size_t t = 0; t < textures && !failed; t++) {
-    to->textures[t] = strdup(from->textures[t]);
-    failed = !to->textures[t];
-    to->texture_count += !failed;
   }
   return failed ? sty_fail_memory(error, "mesh", (double)(parts * sizeof *to->paints)) : STY_OK;
 }

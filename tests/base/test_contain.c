@@ -20,6 +20,7 @@ typedef struct Job {
   Deed deed;
   size_t size;
   unsigned char *bytes;
+  double peak_bytes;
 } Job;
 
 static StyStatus devour(StyError *error) {
@@ -64,9 +65,11 @@ static StyStatus receive(void *context, StyPipe *pipe, StyError *error) {
 
 static StyStatus run(Deed deed, size_t size, double seconds, Job *job, StyError *error) {
   *job = (Job){.deed = deed, .size = size};
-  const StyContained contained = {"some.file", "the worker", seconds, 256e6, work, send, receive, job};
+  StyContained contained = {"some.file", "the worker", seconds, 256e6, work, send, receive, job, 0};
   *error = (StyError){STY_OK, ""};
-  return sty_run_contained(&contained, error);
+  const StyStatus status = sty_run_contained(&contained, error);
+  job->peak_bytes = contained.peak_bytes;
+  return status;
 }
 
 static void test_results_come_back(void **state) {
@@ -78,6 +81,7 @@ static void test_results_come_back(void **state) {
       StyError error;
       assert_int_equal(run(noisy ? PRINT : SUCCEED, sizes[s], 60, &job, &error), STY_OK);
       for (size_t i = 0; i < job.size; i++) assert_int_equal(job.bytes[i], (unsigned char)(i * 7 + i / 251));
+      assert_true(job.peak_bytes > (double)sizes[s] && job.peak_bytes < 1e9);
       free(job.bytes);
     }
 }

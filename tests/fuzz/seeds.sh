@@ -9,7 +9,7 @@ corpus=$(cd "$(dirname "$0")" && pwd)/corpus
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture,ply}
+mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture,ply,scene}
 rm -f "$corpus"/*/seed-*
 
 # number BYTES VALUE: little-endian
@@ -56,26 +56,59 @@ cat >"$corpus/pairs/seed-long.json" <<'END'
              { "from": [1, 0], "to": [0.9, 0.1] }, { "from": [0.5, 0.5], "to": [0.4, 6e-1] } ] }
 END
 
-# Meshes: a tetrahedron in either order of bytes, one with normals and texture coordinates, one as text.
-zero='\x00\x00\x00\x00' little='\x00\x00\x80\x3f' big='\x3f\x80\x00\x00'
-faces='\x03\x00\x02\x01\x03\x00\x01\x03\x03\x01\x02\x03\x03\x02\x00\x03'
-plain=('property float x' 'property float y' 'property float z')
-ply() { # FORMAT PROPERTY...
-  printf '%s\n' ply "format $1 1.0" 'element vertex 4' "${@:2}" 'element face 4' \
-    'property list uchar uchar vertex_indices' end_header
+# Scenes, beside the mesh and the texture that fuzz_scene.c puts there.
+cat >"$corpus/scene/seed-short.json" <<'END'
+{ "schema": "stylut-scene/1", "spheres": [ {} ] }
+END
+cat >"$corpus/scene/seed-long.json" <<'END'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "perspective", "position": [1, 2, 6], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 50 },
+  "objects": [ { "mesh": "m.off", "transform": [1,0,0,-2, 0,1,0,0.5, 0,0,-1,0, 0,0,0,1], "style": 3,
+                 "color": [0.8, 0.3, 0.2], "specular": 0.5, "shininess": 20 }, { "mesh": "m.off" } ],
+  "spheres": [ { "center": [2, 0, 0], "radius": 0.7, "style": 255, "color": [1, 1, 0], "texture": "t.ppm" } ],
+  "lights": [ { "type": "directional", "direction": [-1, -1, -1], "intensity": 2, "color": [1, 1, 0.5] },
+              { "type": "point", "position": [0, 5, 0] } ],
+  "ambient": 0.2, "shadows": false }
+END
+cat >"$corpus/scene/seed-fit.json" <<'END'
+{ "schema": "stylut-scene/1", "camera": { "type": "fit", "view": "30,-20", "up": [0, 0, 1], "fov": 35 },
+  "spheres": [ { "center": [1e8, 0, 0], "radius": 3 }, { "center": [1e8, 2, 0], "radius": 1e-3 } ], "lights": [] }
+END
+cat >"$corpus/scene/seed-above.json" <<'END'
+{ "schema": "stylut-scene/1",
+  "camera": { "type": "orthographic", "position": [0, 9, 0], "target": [0, 0, 0], "up": [0, 0, -1], "height": 1e-3 },
+  "spheres": [ { "texture": "t.ppm" } ], "shadows": true }
+END
+
+# Meshes: one tetrahedron in all encodings.
+points=('0 0 0' '1 0 0' '0 1 0' '0 0 1') faces=('0 2 1' '0 1 3' '0 3 2' '1 2 3')
+header() { # FORMAT TYPE-OF-COUNTS
+  printf '%s\n' ply "format $1 1.0" 'comment four' 'element vertex 4' 'property float x' 'property float y' \
+    'property float z' 'element face 4' "property list $2 int vertex_indices" end_header
 }
-# corners ONE TAIL: four points, each followed by TAIL.
-# shellcheck disable=SC2059 # escapes for bytes
-corners() { printf "$zero$zero$zero$2$1$zero$zero$2$zero$1$zero$2$zero$zero$1$2"; }
-# shellcheck disable=SC2059
+{ header ascii uchar && printf '%s\n' "${points[@]}" "${faces[@]/#/3 }"; } >"$corpus/ply/seed-ascii.ply"
+# 1.0 is 0x3f800000; number writes lowest bytes first, so that for the other order they are swapped here.
+for order in little big; do
+  one=0x3f800000 three=3 shift=0
+  [ $order = little ] || one=0x803f three=0x300 shift=24
+  {
+    header binary_${order}_endian ushort
+    for point in "${points[@]}"; do for word in $point; do number 4 $((word * one)); done; done
+    for face in "${faces[@]}"; do
+      number 2 $three
+      for word in $face; do number 4 $((word << shift)); done
+    done
+  } >"$corpus/ply/seed-$order.ply"
+done
+# With normals along the points, and texture coordinates.
 {
-  { ply binary_little_endian "${plain[@]}" && corners "$little" '' && printf "$faces"; } >"$corpus/ply/seed-little"
-  { ply binary_big_endian "${plain[@]}" && corners "$big" '' && printf "$faces"; } >"$corpus/ply/seed-big"
-  { ply binary_little_endian "${plain[@]}" 'property float '{nx,ny,nz,u,v} &&
-    corners "$little" "$zero$zero$little$zero$little" && printf "$faces"; } >"$corpus/ply/seed-normals"
-  { ply ascii "${plain[@]}" && printf '%s\n' '0 0 0' '1 0 0' '0 1 0' '0 0 1' '3 0 2 1' '3 0 1 3' '3 1 2 3' '3 2 0 3'; } \
-    >"$corpus/ply/seed-text"
-}
+  header binary_little_endian ushort | sed '/^element face/i property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v'
+  for point in "${points[@]}"; do for word in $point $point ${point% *}; do number 4 $((word * 0x3f800000)); done; done
+  for face in "${faces[@]}"; do
+    number 2 3
+    for word in $face; do number 4 "$word"; done
+  done
+} >"$corpus/ply/seed-normals.ply"
 
 # Bundles, as fuzz_bundle.c reads them. Jitter keeps what lies before its texels.
 for name in short long; do

@@ -238,6 +238,66 @@ static void test_bad_textures(void **state) {
   close_all(&scene, &guide);
 }
 
+/* A square from -1 to 1 in a glTF file that holds its picture, a file of its own, as base64 text. */
+static const char GLTF[] =
+    "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0]}], \"nodes\": [{\"mesh\": 0}],"
+    "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0, \"TEXCOORD_0\": 1}, \"indices\": 2, "
+    "\"material\": "
+    "0}]}],"
+    "\"materials\": [{\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}}}], \"textures\": [{\"source\": "
+    "0}],"
+    "\"images\": [{\"uri\": \"data:image/png;base64,%s\"}],"
+    "\"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC3\","
+    "\"min\": [-1, -1, 0], \"max\": [1, 1, 0]},"
+    "{\"bufferView\": 1, \"componentType\": 5126, \"count\": 4, \"type\": \"VEC2\"},"
+    "{\"bufferView\": 2, \"componentType\": 5123, \"count\": 6, \"type\": \"SCALAR\"}],"
+    "\"bufferViews\": [{\"buffer\": 0, \"byteOffset\": 0, \"byteLength\": 48},"
+    "{\"buffer\": 0, \"byteOffset\": 48, \"byteLength\": 32}, {\"buffer\": 0, \"byteOffset\": 80, \"byteLength\": 12}],"
+    "\"buffers\": [{\"byteLength\": 92, \"uri\": \"data:application/octet-stream;base64,"
+    "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAAAAAAAgD8AAIA/AACAPwAAgD8AAAAAAAAAAAAAAAAAAAEA"
+    "AgAAAAIAAwA=\"}]}";
+
+/* Of 2x2 pixels: red, green; blue, white. */
+static const char PICTURE[] =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAEklEQVR4nGP4z8DAAMIM/4EAAB/uBfsL2WiLAAAAAElFTkSuQmCC";
+
+/* A scene of that square, with whatever picture inside. */
+static StyScene *open_gltf(Scratch *scratch, const char *picture) {
+  char *text = NULL;
+  StyScene *scene = NULL;
+  StyError error;
+  assert_true(asprintf(&text, GLTF, picture) > 0);
+  if (read_text_scene(scratch, "inside.gltf", text, -1, &scene, &error)) fail_msg("%s", error.text);
+  free(text);
+  return scene;
+}
+
+static void test_pictures_inside_files(void **state) {
+  static const double colours[2][2][3] = {{{1, 0, 0}, {0, 1, 0}}, {{0, 0, 1}, {1, 1, 1}}};
+  static const char *const channels[] = {"albedo.R", "albedo.G", "albedo.B"};
+  StyScene *scene = open_gltf(*state, PICTURE);
+  const StyTraceOptions options = {.width = SIDE, .height = SIDE, .groups = STY_GUIDE_ALBEDO, .nearest_texels = true};
+  StyImage *guide = trace(scene, &IN_FRONT, &options);
+  for (int y = 0; y < 2; y++)
+    for (int x = 0; x < 2; x++)
+      for (int c = 0; c < 3; c++)
+        assert_true((double)at(guide, channels[c], 9 + x * (SIDE - 18), 9 + y * (SIDE - 18)) == colours[y][x][c]);
+  close_all(&scene, &guide);
+}
+
+static void test_bad_pictures_inside_files(void **state) {
+  StyScene *scene = open_gltf(*state, "bm8gcGljdHVyZQ==");
+  StyTraceOptions options = {.width = 8, .height = 8, .groups = STY_GUIDE_ALBEDO};
+  const StyCamera camera = place(scene, &IN_FRONT, &options);
+  StyImage *guide = NULL;
+  StyError error;
+  assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error), STY_ERROR_INPUT);
+  assert_non_null(strstr(error.text, "inside.gltf: picture 1: found no readable picture"));
+  options.groups = STY_GUIDE_NORMAL; /* needs no texture */
+  assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error), STY_OK);
+  close_all(&scene, &guide);
+}
+
 /* ---- curvature ------------------------------------------------------------------ */
 
 /* 1/r on a sphere, whatever the scene's size; negative from inside. */
@@ -489,6 +549,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_between_texels, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_materials, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_bad_textures, open_scratch, close_scratch),
+      cmocka_unit_test_setup_teardown(test_pictures_inside_files, open_scratch, close_scratch),
+      cmocka_unit_test_setup_teardown(test_bad_pictures_inside_files, open_scratch, close_scratch),
       cmocka_unit_test(test_curvature_of_spheres),
       cmocka_unit_test_setup_teardown(test_curvature_of_meshes, open_scratch, close_scratch),
       cmocka_unit_test_setup_teardown(test_planes_have_no_outline, open_scratch, close_scratch),

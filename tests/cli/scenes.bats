@@ -1,0 +1,178 @@
+#!/usr/bin/env bats
+# stylut guide scene: scenes at the limits of what can be seen, and beyond.
+load helpers
+
+write_cube() { # [SIZE [X]]
+  awk -v s="${1:-1}" -v at="${2:-0}" 'BEGIN {
+    for (v = 0; v < 8; v++) printf "v %.9g %.9g %.9g\n", at + (v % 2 * 2 - 1) * s, (int(v / 2) % 2 * 2 - 1) * s, (int(v / 4) * 2 - 1) * s
+    print "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 2 4 8 6\nf 1 5 7 3" }'
+}
+
+# write_scene REST: the head of a scene file, and what follows.
+write_scene() { printf '{ "schema": "stylut-scene/1", %s }\n' "$1" >"${2:-scene.json}"; }
+
+# place_cube SIZE X: one cube through its transform.
+place_cube() { printf '{ "mesh": "cube.obj", "transform": [%s,0,0,%s, 0,%s,0,0, 0,0,%s,0, 0,0,0,1] }' "$1" "$2" "$1" "$1"; }
+
+# render NAME [SIZE]: NAME.json to NAME.exr and its pixels to NAME.txt: x, y, A, object.I, the normal, and the depth in
+# millionths of SIZE.
+render() {
+  accept guide scene "$1.json" -s 40 -c normal,depth,object,luma,uv,curvature,contour -o "$1.exr" || return 1
+  dump "$1.exr" depth.Z "$(awk -v s="${2:-1}" 'BEGIN { print 1e6 / s }')" | cut -d' ' -f3 >depth.txt
+  dump "$1.exr" A,object.I,normal.X,normal.Y,normal.Z | paste -d' ' - depth.txt >"$1.txt"
+}
+
+# expect_alike WHAT A B: the same pixels, all values to 1e-5.
+expect_alike() {
+  expect_less "covered pixels of $1" 300 "$(awk '$3 == 1' "$2" | wc -l)"
+  paste -d' ' "$2" "$3" | awk '
+    function differ(a, b, most) { return !(a - b <= most && b - a <= most) }
+    $3 != $11 || $4 != $12 { print; exit }
+    $3 == 1 && (differ($5, $13, 1e-5) || differ($6, $14, 1e-5) || differ($7, $15, 1e-5) || differ($8, $16, 10)) { print; exit }' >wrong.txt
+  expect "$1" "$(cat wrong.txt)" ''
+}
+
+@test "from inside a closed mesh, and from inside a sphere" {
+  write_cube >cube.obj
+  local camera='"camera": { "type": "perspective", "position": [0.5, 0, 0], "target": [1, 0, 0], "fov": 30 }'
+  write_scene "$camera, \"objects\": [ { \"mesh\": \"cube.obj\" } ]" box.json
+  render box
+  # One wall, half a unit away, that faces the camera.
+  expect 'pixels of the wall' "$(awk '$3 == 1 && $5 == 0 && $6 == 0 && $7 == 1 && $8 == 500000' box.txt | wc -l)" 1600
+  write_scene "$camera, \"spheres\": [ { \"center\": [0.5, 0, 0], \"radius\": 3 } ]" ball.json
+  accept guide scene ball.json -s 40 -c position,normal,luma -o ball.exr
+  dump ball.exr A,position.X,position.Y,position.Z,normal.X,normal.Y,normal.Z,luma.Y | awk '
+    { r = sqrt(($4 - 0.5) ^ 2 + $5 ^ 2 + $6 ^ 2) - 3
+      # Its normals lead back to the camera; the view axis is +X, right is +Z.
+      ok = $3 == 1 && r < 1e-5 && r > -1e-5 && ($7 * 3 + $6) ^ 2 < 1e-9 && ($8 * 3 + $5) ^ 2 < 1e-9 && $9 > 0.9 && $10 == 1
+      if (!ok) { print; exit } }' >wrong.txt
+  expect 'walls of the ball' "$(cat wrong.txt)" ''
+}
+
+# Luminances that covered pixels have.
+list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n' ' '; }
+
+@test "luma where there is no light" {
+  local ball='"spheres": [ { "color": [1, 0.5, 0] } ]'
+  write_scene "$ball" none.json
+  write_scene "$ball, \"lights\": []" empty.json
+  write_scene "$ball, \"lights\": [], \"ambient\": 0" dark.json
+  local name
+  for name in none empty dark; do accept guide scene $name.json -s 16 -c luma -o $name.exr; done
+  expect_near 'evenly lit' "$(list_luma none.exr)" 0.5702 1e-6 # 0.2126 + 0.7152 / 2
+  expect_near 'an empty list' "$(list_luma empty.exr)" 0.5702 1e-6
+  expect 'no ambient light either' "$(list_luma dark.exr)" '0.000000000 '
+}
+
+@test "transforms that leave nothing, or too little, to see" {
+  write_cube >cube.obj
+  local rows
+  refuse_transform() { # NAMED ROWS
+    write_scene "\"objects\": [ { \"mesh\": \"cube.obj\", \"transform\": [$2, 0,0,0,1] }, { \"mesh\": \"cube.obj\" } ]"
+    refuse 3 "$1" guide scene scene.json -s 8 -o out.exr
+    refuse 3 "$1" info scene.json
+  }
+  for rows in 0,0,0,0,0,0,0,0,0,0,0,0 1,0,0,0,0,1,0,0,0,0,0,0 1,2,3,0,4,5,6,0,7,8,9,0 1,0,0,0,1,0,0,0,0,0,1,0 \
+    1,0,0,0,0,1,0,0,1,1,1e-8,0; do
+    refuse_transform 'objects[0].transform' "$rows"
+  done
+  refuse_transform 'invalid JSON' NaN,0,0,0,0,1,0,0,0,0,1,0
+  refuse_transform 'invalid JSON' 1e999,0,0,0,0,1,0,0,0,0,1,0
+  refuse_transform 'objects[0].transform[0]' 2e30,0,0,0,0,1,0,0,0,0,1,0
+  # So thin, or so small beside the other cube, that floats can't trace it.
+  for rows in 1,0,0,0,0,1,0,0,0,0,1e-30,0 1e-20,0,0,0,0,1e-20,0,0,0,0,1e-20,0; do
+    refuse_transform 'found object 1 only' "$rows"
+  done
+  write_scene "\"objects\": [ $(place_cube 1e-9 0), { \"mesh\": \"cube.obj\" } ]"
+  accept guide scene scene.json -s 8 -o out.exr
+}
+
+@test "tiny and huge: through a transform, and in the mesh's file" {
+  write_cube >cube.obj
+  local size
+  write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ $(place_cube 1 0) ]" one.json
+  render one
+  for size in 1e-30 1e-12 1e12 5e29; do
+    write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ $(place_cube $size 0) ]" sized.json
+    render sized $size
+    expect_alike "a cube times $size" one.txt sized.txt
+    write_cube $size >cube$size.obj
+    write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ { \"mesh\": \"cube$size.obj\" } ]" sized.json
+    render sized $size
+    expect_alike "a cube of size $size" one.txt sized.txt
+  done
+  write_cube 2e30 >large.obj
+  refuse 3 'large.obj' guide scene large.obj -s 8 -o out.exr
+}
+
+@test "a hundred million units from the origin: objects, lights and cameras" {
+  write_cube >cube.obj
+  write_far() { # X FILE
+    local x=$1
+    write_scene "\"camera\": { \"type\": \"perspective\", \"position\": [$((x + 2)), 2, 6], \"target\": [$x, 0, 0] },
+      \"objects\": [ $(place_cube 1 "$x"), $(place_cube 0.5 $((x + 2))) ],
+      \"spheres\": [ { \"center\": [$((x - 2)), 0, 0], \"radius\": 0.7 } ],
+      \"lights\": [ { \"type\": \"point\", \"position\": [$((x + 3)), 4, 5], \"intensity\": 30 } ]" "$2"
+  }
+  write_far 0 near.json
+  write_far 100000000 far.json
+  render near
+  render far
+  expect_alike 'the scene far away' near.txt far.txt
+  dump near.exr luma.Y >near.txt
+  dump far.exr luma.Y >far.txt
+  paste -d' ' near.txt far.txt | awk '{ d = $3 - $6; if (d > 1e-4 || d < -1e-4) n++ } END { print n + 0 }' >wrong.txt
+  expect_less 'pixels lit otherwise' "$(cat wrong.txt)" 3
+}
+
+@test "a camera too far away" {
+  local stand='"position": [1e8, 0, 0], "target": [0, 0, 0]'
+  write_scene "\"camera\": { \"type\": \"perspective\", $stand, \"fov\": 1 }, \"spheres\": [ {} ]"
+  refuse 3 'scene.json: camera: found it 5e+07 scene sizes away' guide scene scene.json -s 8 -o out.exr
+  write_scene "\"camera\": { \"type\": \"orthographic\", $stand, \"height\": 2 }, \"spheres\": [ {} ]"
+  refuse 3 'scene.json: camera: found it 5e+07 scene sizes away' guide scene scene.json -s 8 -o out.exr
+  write_scene '"camera": { "type": "orthographic", "position": [9, 0, 0], "target": [0, 0, 0], "height": 1e9 }, "spheres": [ {} ]'
+  refuse 3 'film 5e+08 wide' guide scene scene.json -s 8 -o out.exr
+  # Beside a scene as large as that it is near.
+  write_scene "\"camera\": { \"type\": \"orthographic\", $stand, \"height\": 2e6 }, \"spheres\": [ { \"radius\": 1e6 } ]"
+  accept guide scene scene.json -s 8 -o out.exr --format json
+  expect covered "$(json - r.covered <<<"$output")" 52
+}
+
+@test "textures that are missing or no whole pictures" {
+  accept guide sphere -s 40 -o whole.png
+  cp whole.png good.png
+  head -c 300 whole.png >cut.png
+  echo 'no picture' >text.png
+  : >empty.png
+  mkdir folder.png
+  write_textured() { write_scene "\"spheres\": [ { \"texture\": \"$1.png\" } ]"; }
+  write_textured good
+  accept guide scene scene.json -s 8 -c albedo -o good.exr
+  local name channel
+  for name in missing:2 folder:2 cut:3 text:3 empty:3; do
+    write_textured ${name%:*}
+    for channel in albedo luma full; do
+      refuse ${name#*:} ${name%:*}.png guide scene scene.json -s 8 -c $channel -o out.exr
+    done
+    # Not asked for.
+    accept guide scene scene.json -s 8 -c normal,uv -o normal.exr
+  done
+}
+
+@test "meshes of a scene that hold nothing, or nothing with an area" {
+  write_cube >cube.obj
+  printf 'OFF\n0 0 0\n' >none.off
+  : >none.obj
+  printf 'v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\nf 2 2 2\n' >flat.obj
+  local name
+  for name in none.off none.obj flat.obj; do
+    write_scene "\"objects\": [ { \"mesh\": \"cube.obj\" }, { \"mesh\": \"$name\" } ]"
+    refuse 3 "$name" guide scene scene.json -s 8 -o out.exr
+  done
+  # Those without an area are left out where others have one.
+  sed 's/^f 1 2 3/f 9 10 11/; s/^f 1 1 2/f 9 9 10/; s/^f 2 2 2/f 9 9 9/' flat.obj | cat cube.obj - >most.obj
+  accept guide scene most.obj -s 16 -o most.exr --no-history
+  accept guide scene cube.obj -s 16 -o cube.exr --no-history
+  expect_same most.exr cube.exr
+}
