@@ -215,7 +215,7 @@ static StyStatus print_report(const Work *work, StyError *error) {
 }
 
 /* What writing takes: OpenImageIO itself, and rows as it wants them beside the bands. */
-static const double WRITER_BYTES = 130e6, WRITER_BANDS = 1.5;
+static const double WRITER_BYTES = 130e6, WRITER_BANDS = 0.9;
 
 /* Reading is done, so that its share is known; then the tree is built, and then rows are written beside it. */
 static double estimate_peak(const Work *work, const StyTraceEstimate *trace) {
