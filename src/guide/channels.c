@@ -114,3 +114,13 @@ void sty_write_strip(const StyStrip *strip, int x, int y, const StyGuide *guide)
       memcpy(guide->planes[c] + (size_t)(y + row) * width + (size_t)x,
              strip->values[guide->channels.channels[c].lane][row], count * sizeof(float));
 }
+
+void sty_expect_strip(const StyGuide *guide, int x, int y) {
+  enum { LINE = 64 / sizeof(float) };
+  const size_t width = (size_t)guide->image->width, rest = width - (size_t)x;
+  const size_t count = rest < STY_STRIP_WIDTH ? rest : STY_STRIP_WIDTH;
+  for (int c = 0; c < guide->channels.count; c++)
+    for (int row = 0; row < STY_BLOCK_HEIGHT && y + row < guide->image->height; row++)
+      for (size_t i = 0; i < count; i += LINE)
+        __builtin_prefetch(guide->planes[c] + (size_t)(y + row) * width + (size_t)x + i, 1);
+}

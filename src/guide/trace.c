@@ -105,6 +105,8 @@ static StyStatus trace_tile(void *context, long tile, StyError *error) {
   memset(&bench.samples, 0, sizeof bench.samples);
   EACH_LANE bench.samples.coverage[i] = 1;
   for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT) {
+    sty_expect_strip(band->guide, x0, y);
+    if (render->sources.image) sty_expect_strip(&render->sources, x0, y + ROWS_ABOVE);
     sty_clear_strip(&render->channels, &bench.strip);
     const bool in_sight = sty_is_in_sight(&render->film, x0, band->first + y, TILE, STY_BLOCK_HEIGHT);
     for (int x = x0; in_sight && x < right; x += STY_BLOCK_WIDTH)
