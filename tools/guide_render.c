@@ -85,6 +85,8 @@ static StyStatus open_writer(Work *work, StyImage *like, StyError *error) {
   const char **inputs = NULL;
   int count = 0;
   StyStatus status = list_inputs(work, &inputs, &count, error);
+  if (!status && protect_inputs(options, options->output, inputs, count))
+    status = sty_fail(error, options->error.status, "%s", options->error.text);
   if (!status) status = add_history(options, "guide", like, inputs, count, error);
   free(inputs);
   return status ? status : sty_open_image_writer(options->output, like, work->arguments->height, &work->writer, error);
