@@ -3,9 +3,14 @@
 #include <pthread.h>
 #include <string.h>
 
-/* A band is of so many values at most, and of so many rows at least. */
-static const size_t BAND_VALUES = (size_t)1 << 24;
-enum { ROW_STEP = 32, MOST_ROWS = 128 };
+/* A band is of so many values at most and of so many rows at least. Narrow ones are higher, so that they are worth the
+ * handing over. */
+static const size_t BAND_VALUES = (size_t)1 << 24, BAND_PIXELS = (size_t)1 << 16;
+enum { ROW_STEP = 32, MOST_ROWS = 128, MOST_NARROW_ROWS = 8192 };
+
+static size_t clamp(size_t value, size_t least, size_t most) {
+  return value < least ? least : value > most ? most : value;
+}
 
 /* Rows on their way to the sink, in a thread of their own. */
 typedef struct Delivery {
@@ -42,8 +47,9 @@ static void start_delivery(Delivery *delivery, StyImage *rows) {
 }
 
 int sty_choose_band_rows(int width, int height) {
-  size_t rows = BAND_VALUES / ((size_t)width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
-  rows = rows < ROW_STEP ? ROW_STEP : rows > MOST_ROWS ? MOST_ROWS : rows;
+  const size_t most = clamp(BAND_PIXELS / (size_t)width / ROW_STEP * ROW_STEP, MOST_ROWS, MOST_NARROW_ROWS);
+  const size_t held = BAND_VALUES / ((size_t)width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
+  const size_t rows = clamp(held, ROW_STEP, most);
   return rows < (size_t)height ? (int)rows : height;
 }
 

@@ -1,4 +1,5 @@
 /* Guides of scenes: one ray per pixel, and what it meets as channels. */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +16,9 @@
 #include "scene/vector.h"
 
 enum { TILE = STY_STRIP_WIDTH }; /* pixels, whole blocks */
+
+/* The channels that the surfaces' colours, and their light, go into. */
+enum { LIT = STY_GUIDE_LUMA | STY_GUIDE_PATHS, COLOURED = LIT | STY_GUIDE_ALBEDO };
 
 /* What a picture is made from. */
 typedef struct Render {
@@ -47,6 +51,21 @@ static void see_motion(const Render *render, const StyHits *hits, int i, StyLane
       !sty_project_point(previous->camera, width, height, there, then))
     return;
   for (int k = 0; k < 2; k++) motion[k][i] = then[k] - now[k];
+}
+
+/* Channels are floats, which light without bounds doesn't fit. */
+static StyStatus check_light(const StyChannels *channels, const StyBlock *block, const StySamples *samples, int x,
+                             int y, StyError *error) {
+  const StyLane *lanes = (const StyLane *)(const void *)samples;
+  for (int c = 0; c < channels->count; c++)
+    for (int i = 0; i < STY_RAYS; i++) {
+      const double value = lanes[channels->channels[c].lane][i];
+      if (block->valid[i] && !(fabs(value) <= (double)FLT_MAX))
+        return sty_fail(error, STY_ERROR_INPUT, "%s: found %g at pixel (%d, %d), expected at most %g: less light",
+                        channels->channels[c].name, value, x + i % STY_BLOCK_WIDTH, y + i / STY_BLOCK_WIDTH,
+                        (double)FLT_MAX);
+    }
+  return STY_OK;
 }
 
 /* ---- tiles ---- */
@@ -93,8 +112,19 @@ enum { ROWS_ABOVE = 1 };
 
 static int count_tiles(int side) { return (side + TILE - 1) / TILE; }
 
+static StyStatus trace_strip(const Band *band, int x0, int y, int right, Bench *bench, StyError *error) {
+  const Render *render = band->render;
+  StyStatus status = STY_OK;
+  for (int x = x0; x < right && !status; x += STY_BLOCK_WIDTH) {
+    if (!look_at_block(render, x, band->first + y, bench)) continue;
+    if (render->groups & LIT)
+      status = check_light(&render->channels, &bench->block, &bench->samples, x, band->first + y, error);
+    render->kernels->set_samples(&render->channels, x - x0, bench->block.valid, &bench->samples, &bench->strip);
+  }
+  return status;
+}
+
 static StyStatus trace_tile(void *context, long tile, StyError *error) {
-  (void)error;
   const Band *band = context;
   const Render *render = band->render;
   const int width = render->options->width, columns = count_tiles(width);
@@ -104,18 +134,17 @@ static StyStatus trace_tile(void *context, long tile, StyError *error) {
   memset(&bench.block, 0, sizeof bench.block);
   memset(&bench.samples, 0, sizeof bench.samples);
   EACH_LANE bench.samples.coverage[i] = 1;
-  for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT) {
+  StyStatus status = STY_OK;
+  for (int y = y0; y < bottom && !status; y += STY_BLOCK_HEIGHT) {
     sty_expect_strip(band->guide, x0, y);
     if (render->sources.image) sty_expect_strip(&render->sources, x0, y + ROWS_ABOVE);
     sty_clear_strip(&render->channels, &bench.strip);
     const bool in_sight = sty_is_in_sight(&render->film, x0, band->first + y, TILE, STY_BLOCK_HEIGHT);
-    for (int x = x0; in_sight && x < right; x += STY_BLOCK_WIDTH)
-      if (look_at_block(render, x, band->first + y, &bench))
-        render->kernels->set_samples(&render->channels, x - x0, bench.block.valid, &bench.samples, &bench.strip);
+    if (in_sight) status = trace_strip(band, x0, y, right, &bench, error);
     sty_write_strip(&bench.strip, x0, y, band->guide);
     if (render->sources.image) sty_write_strip(&bench.strip, x0, y + ROWS_ABOVE, &render->sources);
   }
-  return STY_OK;
+  return status;
 }
 
 static void draw_contours(const Band *band, int threads) {
@@ -190,9 +219,6 @@ static StyStatus check_options(const StyScene *scene, const StyTraceOptions *opt
   return status ? status : check_camera(options->previous.camera, error);
 }
 
-/* The channels that the surfaces' colours, and their light, go into. */
-enum { LIT = STY_GUIDE_LUMA | STY_GUIDE_PATHS, COLOURED = LIT | STY_GUIDE_ALBEDO };
-
 /* What of a hit the channels are made from. */
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
@@ -201,6 +227,7 @@ static unsigned get_parts(unsigned groups, const StyScene *scene) {
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
   if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | COLOURED)) parts |= STY_HIT_OWNER;
+  if (groups & LIT) parts |= STY_HIT_LEAVE;
   return parts;
 }
 
