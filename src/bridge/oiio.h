@@ -42,6 +42,7 @@ struct ImageDeleter {
 using ImageHolder = std::unique_ptr<StyImage, ImageDeleter>;
 
 StyStatus read_image(const char *path, StyImage **out, StyError *error);
+StyStatus read_shape(const char *path, StyImageShape *out, StyError *error);
 
 StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error);
 void close_texture(StyTextureMap **texture);

@@ -75,16 +75,17 @@ static StyStatus make_band(const StyBands *bands, int first, int rows, const Sty
   return status;
 }
 
-static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, double *first_ms,
+static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, StyBandTimes *times,
                               StyError *error) {
   const int step = sty_choose_band_rows(bands->width, bands->height);
-  const double start = sty_get_milliseconds();
   for (int first = 0; first < bands->height; first += step) {
     const int rows = bands->height - first < step ? bands->height - first : step;
     StyImage *band = NULL;
+    const double start = sty_get_milliseconds();
     StyStatus status = make_band(bands, first, rows, run, &delivery->spare, &band, error);
     if (status) return status;
-    if (first == 0) *first_ms = sty_get_milliseconds() - start;
+    times->fill_ms += sty_get_milliseconds() - start;
+    if (first == 0) times->first_ms = times->fill_ms;
     status = await_delivery(delivery, error);
     if (status) {
       sty_destroy_image(&band);
@@ -95,10 +96,11 @@ static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery
   return STY_OK;
 }
 
-StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
+StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, StyBandTimes *times,
                            StyError *error) {
   Delivery delivery = {.sink = sink};
-  const StyStatus status = stream_bands(bands, run, &delivery, first_ms, error);
+  *times = (StyBandTimes){0};
+  const StyStatus status = stream_bands(bands, run, &delivery, times, error);
   StyError cause;
   const StyStatus delivered = await_delivery(&delivery, status ? &cause : error);
   sty_destroy_image(&delivery.spare);

@@ -1,5 +1,6 @@
 #include "guide/paint.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +8,7 @@
 #include <unistd.h>
 
 #include "bridge/texture.h"
+#include "stylut/image_io.h"
 
 struct StyPalette {
   StyTextureMap **textures; /* 1 per texture of the scene */
@@ -40,16 +42,32 @@ static StyStatus make_file(const StyPicture *picture, int *file, char path[32], 
   return *file >= 0 ? STY_OK : sty_fail_memory(error, picture->path, (double)picture->size);
 }
 
+/* What is wrong with a picture whose file's path nobody knows. */
+static StyStatus name_picture(const StyPicture *picture, const char *path, const StyError *cause, StyError *error) {
+  const size_t length = strlen(path);
+  const bool named = strncmp(cause->text, path, length) == 0;
+  return sty_fail(error, cause->status, "%s%s", picture->path, named ? cause->text + length : cause->text);
+}
+
 static StyStatus open_picture(StyPalette *palette, const StyPicture *picture, int number, StyError *error) {
   if (!picture->bytes) return sty_open_texture_map(picture->path, &palette->textures[number], error);
   char path[32];
   StyError cause;
-  StyStatus status = make_file(picture, &palette->files[number], path, error);
+  const StyStatus status = make_file(picture, &palette->files[number], path, error);
   if (status) return status;
-  status = sty_open_texture_map(path, &palette->textures[number], &cause);
-  const size_t length = strlen(path);
-  const bool named = status && strncmp(cause.text, path, length) == 0; /* by the path, which nobody knows */
-  return status ? sty_fail(error, status, "%s%s", picture->path, named ? cause.text + length : cause.text) : STY_OK;
+  return sty_open_texture_map(path, &palette->textures[number], &cause) ? name_picture(picture, path, &cause, error)
+                                                                        : STY_OK;
+}
+
+static StyStatus measure_picture(const StyPicture *picture, StyImageShape *shape, StyError *error) {
+  if (!picture->bytes) return sty_read_image_shape(picture->path, shape, error);
+  char path[32];
+  int file = -1;
+  StyError cause;
+  StyStatus status = make_file(picture, &file, path, error);
+  if (!status && sty_read_image_shape(path, shape, &cause)) status = name_picture(picture, path, &cause, error);
+  if (file >= 0) close(file);
+  return status;
 }
 
 static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError *error) {
@@ -59,6 +77,23 @@ static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError 
   StyStatus status = STY_OK;
   for (int t = 0; t < scene->texture_count && !status; t++)
     if (used[t]) status = open_picture(palette, &scene->textures[t], t, error);
+  free(used);
+  return status;
+}
+
+StyStatus sty_estimate_palette(const StyScene *scene, double *bytes, double *decode_bytes, StyError *error) {
+  bool *used = calloc((size_t)scene->texture_count + 1, sizeof *used);
+  if (!used) return sty_fail_memory(error, "textures", scene->texture_count);
+  mark_used(scene, used);
+  StyStatus status = STY_OK;
+  *bytes = *decode_bytes = 0;
+  for (int t = 0; t < scene->texture_count && !status; t++) {
+    StyImageShape shape = {0};
+    if (used[t]) status = measure_picture(&scene->textures[t], &shape, error);
+    const double texels = (double)shape.width * shape.height;
+    *bytes += 3 * sizeof(float) * texels + (double)scene->textures[t].size;
+    *decode_bytes = fmax(*decode_bytes, texels * shape.channels * sizeof(float));
+  }
   free(used);
   return status;
 }

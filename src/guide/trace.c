@@ -12,13 +12,11 @@
 #include "guide/light.h"
 #include "guide/paint.h"
 #include "guide/paths.h"
+#include "guide/trace.h"
 #include "scene/points.h"
 #include "scene/vector.h"
 
 enum { TILE = STY_STRIP_WIDTH }; /* pixels, whole blocks */
-
-/* The channels that the surfaces' colours, and their light, go into. */
-enum { LIT = STY_GUIDE_LUMA | STY_GUIDE_PATHS, COLOURED = LIT | STY_GUIDE_ALBEDO };
 
 /* What a picture is made from. */
 typedef struct Render {
@@ -117,7 +115,7 @@ static StyStatus trace_strip(const Band *band, int x0, int y, int right, Bench *
   StyStatus status = STY_OK;
   for (int x = x0; x < right && !status; x += STY_BLOCK_WIDTH) {
     if (!look_at_block(render, x, band->first + y, bench)) continue;
-    if (render->groups & LIT)
+    if (render->groups & STY_LIT)
       status = check_light(&render->channels, &bench->block, &bench->samples, x, band->first + y, error);
     render->kernels->set_samples(&render->channels, x - x0, bench->block.valid, &bench->samples, &bench->strip);
   }
@@ -204,8 +202,11 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
   return STY_OK;
 }
 
-static StyStatus check_options(const StyScene *scene, const StyTraceOptions *options, StyError *error) {
+StyStatus sty_check_trace(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
+                          StyError *error) {
   const int samples = options->paths.samples;
+  StyStatus status = check_camera(camera, error);
+  if (status) return status;
   if (options->width < 1 || options->height < 1)
     return sty_fail(error, STY_ERROR_INPUT, "guide: found %dx%d pixels, expected at least 1x1", options->width,
                     options->height);
@@ -215,27 +216,26 @@ static StyStatus check_options(const StyScene *scene, const StyTraceOptions *opt
   if (!(options->groups & STY_GUIDE_MOTION)) return STY_OK;
   if (!options->previous.scene)
     return sty_fail(error, STY_ERROR_USAGE, "channel motion: found no previous scene, expected one");
-  const StyStatus status = sty_check_alike(scene, options->previous.scene, error);
+  status = sty_check_alike(scene, options->previous.scene, error);
   return status ? status : check_camera(options->previous.camera, error);
 }
 
 /* What of a hit the channels are made from. */
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
-  const bool textured = scene->texture_count > 0 && groups & COLOURED;
-  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | LIT)) parts |= STY_HIT_SHADING;
+  const bool textured = scene->texture_count > 0 && groups & STY_COLOURED;
+  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_LIT)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
-  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | COLOURED)) parts |= STY_HIT_OWNER;
-  if (groups & LIT) parts |= STY_HIT_LEAVE;
+  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | STY_COLOURED)) parts |= STY_HIT_OWNER;
+  if (groups & STY_LIT) parts |= STY_HIT_LEAVE;
   return parts;
 }
 
 static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *times, StyError *error) {
   const StyScene *scene = render->scene;
   const StyTraceOptions *options = render->options;
-  StyStatus status = check_camera(render->camera, error);
-  if (!status) status = check_options(scene, options, error);
+  StyStatus status = sty_check_trace(scene, render->camera, options, error);
   render->groups = options->groups;
   if (options->groups & STY_GUIDE_CONTOUR) render->groups |= STY_CONTOUR_SOURCES;
   render->channels = sty_list_channels(render->groups);
@@ -244,7 +244,7 @@ static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *t
   render->sight = (StySight){scene, render->camera, render->groups, options->flat, options->ray_frame};
   render->width = 2 * render->camera->half_height / options->height;
   if (!render->camera->perspective) render->width /= scene->scale;
-  if (!status && options->groups & COLOURED)
+  if (!status && options->groups & STY_COLOURED)
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
   if (!status) status = sty_open_film(scene, render->camera, options->width, options->height, &render->film, error);
   const double start = sty_get_milliseconds();
@@ -272,17 +272,18 @@ StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const S
                          const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error) {
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyTraceTimes found = {0};
+  StyBandTimes filled = {0};
   StyStatus status = open_render(&render, run, &found, error);
-  const double start = sty_get_milliseconds();
   const StyBands bands = {.width = options->width,
                           .height = options->height,
                           .groups = options->groups,
                           .fill = trace_band,
                           .context = &render};
-  if (!status) status = sty_stream_bands(&bands, run, sink, &found.first_ms, error);
+  if (!status) status = sty_stream_bands(&bands, run, sink, &filled, error);
   close_render(&render);
   if (status) return status;
-  found.trace_ms = sty_get_milliseconds() - start;
+  found.first_ms = filled.first_ms;
+  found.trace_ms = filled.fill_ms;
   if (times) *times = found;
   return STY_OK;
 }

@@ -264,9 +264,9 @@ check_mirrored() { # OPTIONS
   expect schema "$(json - r.schema <<<"$output")" stylut-guide/1
   expect size "$(json - r.size <<<"$output")" '[64,48]'
   expect triangles "$(json - r.triangles <<<"$output")" "$(sed -n 's/^element face //p;/^end_header/q' <"$exemplars/creature.ply")"
-  expect keys "$(json - 'Object.keys(r).sort().join()' <<<"$output")" covered,mesh_bytes,mrays_per_s,peak_bytes,read_bytes,schema,size,time_ms,tree_bytes,triangles
-  expect times "$(json - 'Object.keys(r.time_ms).sort().join()' <<<"$output")" build,first,read,trace,write
-  expect 'numbers' "$(json - 'Object.values(r.time_ms).every(t => t >= 0) && r.peak_bytes > 1e6 && r.mrays_per_s > 0' <<<"$output")" true
+  expect keys "$(json - 'Object.keys(r).sort().join()' <<<"$output")" covered,mesh_bytes,mpixels_per_s,peak_bytes,read_bytes,schema,size,time_ms,tree_bytes,triangles
+  expect times "$(json - 'Object.keys(r.time_ms).sort().join()' <<<"$output")" build,first,read,render,trace,write
+  expect 'numbers' "$(json - 'Object.values(r.time_ms).every(t => t >= 0) && r.peak_bytes > 1e6 && r.mpixels_per_s > 0' <<<"$output")" true
 }
 
 @test "text reports, and silence with --quiet" {

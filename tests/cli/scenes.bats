@@ -176,3 +176,30 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   accept guide scene cube.obj -s 16 -o cube.exr --no-history
   expect_same most.exr cube.exr
 }
+
+@test "nothing that a scene names is written over, whatever is asked of it" {
+  write_cube >cube.obj
+  sed -e '/^f/d' cube.obj >soft.obj
+  printf 'vt 0 0\nvt 1 0\nvt 1 1\nmtllib soft.mtl\nusemtl cloth\nf 1/1 2/2 4/3\nf 5/1 6/2 8/3\n' >>soft.obj
+  printf 'newmtl cloth\nmap_Kd cloth.exr\n' >soft.mtl
+  local name
+  for name in cloth ball last; do accept guide sphere -s 8 -o $name.exr; done
+  write_scene '"objects": [ { "mesh": "soft.obj" } ], "spheres": [ { "center": [0, 0, 0], "radius": 1, "texture": "ball.exr" } ]' now.json
+  write_scene '"objects": [ { "mesh": "soft.obj" } ], "spheres": [ { "center": [0, 0, 0], "radius": 1, "texture": "last.exr" } ]' then.json
+  for name in normal albedo; do
+    refuse 1 'which is an input' guide scene now.json -c $name -s 16 -o cloth.exr
+    refuse 1 'which is an input' guide scene now.json -c $name -s 16 -o ball.exr
+    refuse 1 'which is an input' guide scene soft.obj -c $name -s 16 -o cloth.exr
+  done
+  refuse 1 'which is an input' guide scene now.json --previous then.json -c motion -s 16 -o last.exr
+}
+
+@test "--dry-run refuses what tracing would" {
+  write_cube >cube.obj
+  write_scene '"objects": [ { "mesh": "cube.obj", "texture": "none.png" } ]' bare.json
+  write_scene '"objects": [ { "mesh": "cube.obj" }, { "mesh": "cube.obj" } ]' two.json
+  write_scene '"objects": [ { "mesh": "cube.obj" } ]' one.json
+  echo 'not a picture' >none.png
+  refuse 3 none.png guide scene bare.json -s 16 -c albedo --dry-run -o out.exr
+  refuse 3 'found 2 objects' guide scene one.json --previous two.json -s 16 -c motion --dry-run -o out.exr
+}
