@@ -238,7 +238,24 @@ check_mirrored() { # OPTIONS
   expect "mirrored with $options" "$(cat wrong.txt)" ''
 }
 
-@test "scene: the same shape in OBJ, PLY, OFF and STL gives the same guide" {
+# write_fbx: t.obj, with a material whose picture is on another computer's disk.
+write_fbx() {
+  awk '
+    /^v / { points = points (n++ ? "," : "") $2 "," $3 "," $4 }
+    /^f / { corners = corners (m++ ? "," : "") ($2 - 1) "," ($3 - 1) "," (-$4) }
+    END {
+      print "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n FBXHeaderVersion: 1003\n FBXVersion: 7400\n}\nObjects: {"
+      print " Geometry: 1, \"Geometry::t\", \"Mesh\" {\n  Vertices: *" 3 * n " {\n a: " points "\n }"
+      print "  PolygonVertexIndex: *" 3 * m " {\n a: " corners "\n }"
+      print "  LayerElementMaterial: 0 {\n MappingInformationType: \"AllSame\"\n ReferenceInformationType: \"IndexToDirect\"\n Materials: *1 {\n a: 0\n }\n }"
+      print "  Layer: 0 {\n LayerElement: {\n Type: \"LayerElementMaterial\"\n TypedIndex: 0\n }\n }\n }"
+      print " Model: 2, \"Model::t\", \"Mesh\" {\n Version: 232\n }"
+      print " Material: 3, \"Material::cloth\", \"\" {\n ShadingModel: \"phong\"\n }"
+      print " Texture: 4, \"Texture::cloth\", \"\" {\n FileName: \"D:\\art\\cloth.png\"\n RelativeFilename: \"..\\art\\cloth.png\"\n }"
+      print "}\nConnections: {\n C: \"OO\",1,2\n C: \"OO\",2,0\n C: \"OO\",3,2\n C: \"OP\",4,3,\"DiffuseColor\"\n}" }' t.obj
+}
+
+@test "scene: the same shape in OBJ, PLY, OFF, STL and FBX gives the same guide" {
   printf 'v 0 0 0\nv 1 0 0.2\nv 0 1 0\nv 0.3 0.3 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >t.obj
   printf 'OFF\n4 4 0\n0 0 0\n1 0 0.2\n0 1 0\n0.3 0.3 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' >t.off
   {
@@ -251,12 +268,22 @@ check_mirrored() { # OPTIONS
     awk '/^v/ { p[++n] = $2 " " $3 " " $4 } /^f/ { print "facet normal 0 0 0\nouter loop"; for (k = 2; k <= 4; k++) print "vertex " p[$k]; print "endloop\nendfacet" }' t.obj
     echo 'endsolid t'
   } >t.stl
-  local ending
-  accept guide scene t.obj -s 32 -c all --view 40,30 --crease 0 --no-history -o obj.exr
-  for ending in off ply stl; do
-    accept guide scene t.$ending -s 32 -c all --view 40,30 --crease 0 --no-history -o $ending.exr
+  write_fbx >t.fbx
+  local ending channels=normal,depth,position,object,uv,curvature,contour
+  accept guide scene t.obj -s 32 -c $channels --view 40,30 --crease 0 --no-history -o obj.exr
+  for ending in off ply stl fbx; do
+    accept guide scene t.$ending -s 32 -c $channels --view 40,30 --crease 0 --no-history -o $ending.exr
     expect_same obj.exr $ending.exr
   done
+}
+
+@test "scene: a picture that an FBX file has elsewhere is looked for beside it" {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >t.obj
+  write_fbx >t.fbx
+  refuse 2 cloth.png guide scene t.fbx -s 8 -c albedo -o out.exr
+  oiiotool --create 2x2 3 --addc 0,1,0 -d uint8 -o cloth.png
+  accept guide scene t.fbx -s 8 -c albedo -o out.exr
+  expect colours "$(dump out.exr A,albedo.R,albedo.G,albedo.B | awk '$3 == 1 { print $4, $5, $6 }' | sort -u)" '0.000000000 1.000000000 0.000000000'
 }
 
 @test "the report as JSON" {
