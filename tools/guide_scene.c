@@ -280,7 +280,8 @@ static const struct argp parser = {
     .args_doc = "sphere\nscene MESH|SCENE.json\nimport FILE\nstrokes IMAGE\nwarp PAIRS.json\nflow A B",
     .doc =
         "Renders a guide map: what a picture's surfaces are, pixel by pixel.\v"
-        "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, FBX, OFF) with a camera "
+        "'sphere' is analytic and fills the picture. 'scene' traces a mesh (OBJ, PLY, STL, glTF, FBX, OFF) with a "
+        "camera "
         "fitted to it, or a scene file (.json), which has cameras, meshes, spheres and styles of its own. FILE.exr "
         "holds float channels by name; FILE.png holds n/2+1/2 and the coverage as alpha.\n\n"
         "A binary PLY of triangles is read in at most 1.5 times the memory of its vertices and indices (24 bytes a "

@@ -75,8 +75,8 @@ double sty_get_mesh_bytes(const StyMesh *mesh);
 /* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb or .off. */
 bool sty_is_mesh_file(const char *path);
 
-/* Reads OBJ, PLY, STL, glTF, FBX or OFF: binary PLY files of triangles here, where reading takes no more than a quarter of
- * the mesh's bytes beside them; all others through Assimp, in a process of its own and at a multiple of that. Every
+/* Reads OBJ, PLY, STL, glTF, FBX or OFF: binary PLY files of triangles here, where reading takes no more than a quarter
+ * of the mesh's bytes beside them; all others through Assimp, in a process of its own and at a multiple of that. Every
  * index and coordinate is checked. Zero-area triangles are left out. The caller owns the mesh.
  * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
  * faces, all faces without area, NaN or infinite coordinates, indices out of
