@@ -137,6 +137,22 @@ static StyTraceOptions get_trace_options(const Work *work) {
                            .paths = {arguments->paths.samples, arguments->options.seed}};
 }
 
+/* Normals that were computed have seams where neighbours clash: a fault of the mesh that one would look for elsewhere.
+ */
+static void warn_about_seams(const Work *work) {
+  static const unsigned shaded =
+      STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_GUIDE_CONTOUR | STY_GUIDE_LUMA | STY_GUIDE_PATHS;
+  const GuideArguments *arguments = work->arguments;
+  const StyScene *scene = work->shot.scene;
+  if (arguments->repair || arguments->simplify || arguments->flat || !(arguments->groups & shaded)) return;
+  for (int m = 0; m < scene->mesh_count; m++)
+    if (scene->meshes[m]->clashes)
+      warn(&arguments->options,
+           "%s: found %zu edges with neighbours wound against each other, which leaves seams in the normals; --repair "
+           "turns them alike",
+           clean_text(scene->meshes[m]->path), scene->meshes[m]->clashes);
+}
+
 /* What was asked for to be done to the meshes before they are traced. */
 static StyStatus prepare_meshes(Work *work, StyError *error) {
   const GuideArguments *arguments = work->arguments;
@@ -185,6 +201,7 @@ static StyStatus open_shots(Work *work, StyError *error) {
   count_bytes(work);
   work->read_ms = sty_get_milliseconds() - start;
   if (!status) status = protect_scene(work, error);
+  if (!status) warn_about_seams(work);
   return status ? status : prepare_meshes(work, error);
 }
 

@@ -55,6 +55,8 @@ typedef struct StyMesh {
   size_t flat_faces;     /* left out: others without area */
   double import_bytes;   /* the most memory that the importer's process held; 0: there was none */
   double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
+  size_t
+      clashes; /* edges that both their triangles run along the same way, where normals were computed: seams of them */
 } StyMesh;
 
 typedef struct StyMeshOptions {
@@ -72,7 +74,7 @@ static inline int sty_get_part(const StyMesh *mesh, size_t triangle) {
 /* Bytes of what rays need of a mesh: vertices, indices and parts. */
 double sty_get_mesh_bytes(const StyMesh *mesh);
 
-/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb or .off. */
+/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb, .fbx or .off. */
 bool sty_is_mesh_file(const char *path);
 
 /* Reads OBJ, PLY, STL, glTF, FBX or OFF: binary PLY files of triangles here, where reading takes no more than a quarter
