@@ -87,7 +87,8 @@ static StyStatus open_writer(Work *work, StyImage *like, StyError *error) {
   StyStatus status = list_inputs(work, &inputs, &count, error);
   if (!status && protect_inputs(options, options->output, inputs, count))
     status = sty_fail(error, options->error.status, "%s", options->error.text);
-  if (!status) status = add_history(options, "guide", like, inputs, count, error);
+  if (!status)
+    status = add_history(options, work->arguments->mesh ? "guide scene" : "guide sphere", like, inputs, count, error);
   free(inputs);
   return status ? status : sty_open_image_writer(options->output, like, work->arguments->height, &work->writer, error);
 }
@@ -99,10 +100,9 @@ static StyStatus take_rows(void *context, StyImage *rows, StyError *error) {
   const double start = sty_get_milliseconds();
   const float *covered = sty_find_channel(rows, "A");
   for (size_t i = 0; i < sty_count_pixels(rows); i++) work->covered += covered[i] > 0;
-  StyImageFormat format = STY_IMAGE_EXR;
   StyImage *encoded = NULL;
-  StyStatus status = sty_get_image_format(arguments->options.output, &format, error);
-  if (!status && format == STY_IMAGE_PNG) status = sty_encode_normals(rows, arguments->bits, &encoded, error);
+  StyStatus status = STY_OK;
+  if (arguments->format == STY_IMAGE_PNG) status = sty_encode_normals(rows, arguments->bits, &encoded, error);
   StyImage *image = encoded ? encoded : rows;
   if (!status && !work->writer) status = open_writer(work, image, error);
   if (!status) status = sty_write_rows(work->writer, image, error);

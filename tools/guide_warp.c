@@ -28,9 +28,6 @@ static const struct argp_option options_table[] = {
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
   StyStatus status = require_argument(options, arguments->file, "a file of point pairs");
-  if (!status && (long long)arguments->width * arguments->height > STY_MAX_PIXELS)
-    status = sty_fail(&options->error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels",
-                      arguments->width, arguments->height, STY_MAX_PIXELS);
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, &arguments->file, 1);
   return status ? status : require_exr(options);
@@ -45,9 +42,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->file, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
-    case 's':
-      status = sty_parse_size("--size", text, STY_MAX_SIDE, &arguments->width, &arguments->height, error);
-      break;
+    case 's': status = parse_picture_size(&arguments->options, text, &arguments->width, &arguments->height); break;
     case KEY_KIND: status = sty_parse_choice("--kind", text, sty_warp_kinds, &arguments->kind, error); break;
     case KEY_ALPHA:
       status = sty_parse_number("--alpha", text, STY_MIN_WARP_ALPHA, STY_MAX_WARP_ALPHA, &arguments->alpha, error);

@@ -299,7 +299,7 @@ check_history() { # ENDING
   accept info c.$ending --format json
   expect version "$(json - 'r.attributes["stylut:version"]' <<<"$output")" "$version"
   expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum mesh.ply | cut -d' ' -f1)"
-  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide --view=30,10 --size=16 scene mesh.ply'
+  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide scene --view=30,10 --size=16 mesh.ply'
   accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending --no-history
   accept info c.$ending --format json
   expect attributes "$(json - 'Object.keys(r.attributes).length' <<<"$output")" 0
