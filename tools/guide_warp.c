@@ -87,16 +87,25 @@ static json_t *make_report(const Arguments *arguments, const Account *account) {
   const StyWarpFigures *f = &account->figures;
   const double pixels = (double)arguments->width * arguments->height;
   return json_pack(
-      "{s:s, s:[ii], s:s, s:f, s:i, s:f, s:{s:i, s:f, s:f}, s:{s:f, s:[ii]}, s:{s:f, s:[ii]}, s:f, s:o, s:f}", "schema",
-      "stylut-guide-warp/1", "size", arguments->width, arguments->height, "kind", sty_warp_kinds[account->pairs.kind],
-      "alpha", account->pairs.alpha, "pairs", account->pairs.count, "inside", (double)f->inside / pixels, "residual",
-      "pairs", f->measured, "mean", f->residual_mean, "max", f->residual_max, "stretch", "max", f->stretch, "pixel",
-      f->stretch_at[0], f->stretch_at[1], "compression", "max", f->compression, "pixel", f->compression_at[0],
-      f->compression_at[1], "folded", get_share(f->folded, f->cells), "time_ms",
-      pack_times(stages, account->times, STAGES), "peak_bytes", get_peak_bytes());
+      "{s:s, s:[ii], s:s, s:f, s:i, s:i, s:f, s:{s:i, s:f, s:f}, s:{s:f, s:[ii]}, s:{s:f, s:[ii]}, s:f, s:o, s:f}",
+      "schema", "stylut-guide-warp/1", "size", arguments->width, arguments->height, "kind",
+      sty_warp_kinds[account->pairs.kind], "alpha", account->pairs.alpha, "pairs", account->pairs.count, "outside",
+      f->outside, "inside", (double)f->inside / pixels, "residual", "pairs", f->measured, "mean", f->residual_mean,
+      "max", f->residual_max, "stretch", "max", f->stretch, "pixel", f->stretch_at[0], f->stretch_at[1], "compression",
+      "max", f->compression, "pixel", f->compression_at[0], f->compression_at[1], "folded",
+      get_share(f->folded, f->cells), "time_ms", pack_times(stages, account->times, STAGES), "peak_bytes",
+      get_peak_bytes());
 }
 
-static void warn_of_figures(const Arguments *arguments, const StyWarpFigures *figures) {
+static void warn_of_figures(const Arguments *arguments, const StyPairs *pairs, const StyWarpFigures *figures) {
+  const StyPair *first = &pairs->pairs[figures->first_outside];
+  if (figures->outside)
+    warn(
+        &arguments->options,
+        "%s: found %d of %d pairs outside the picture, the first pairs[%d] from (%g, %g) to (%g, %g), expected them in "
+        "%dx%d pixels, or normalized",
+        clean_text(arguments->file), figures->outside, pairs->count, figures->first_outside, first->from[0],
+        first->from[1], first->to[0], first->to[1], arguments->width, arguments->height);
   if (!figures->inside)
     warn(&arguments->options, "%s: found that no pixel comes from inside the picture, expected pairs in %s",
          clean_text(arguments->file), "pixels of --size, or normalized");
@@ -116,7 +125,7 @@ static void print_extreme(const char *name, double value, const int at[2]) {
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   const StyWarpFigures *f = &account->figures;
   const double pixels = (double)arguments->width * arguments->height;
-  warn_of_figures(arguments, f);
+  warn_of_figures(arguments, &account->pairs, f);
   if (arguments->options.json) return print_json(make_report(arguments, account), error);
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d, %s, %d pair%s, alpha %g; %.1f %% come from inside the picture\n",
