@@ -165,7 +165,7 @@ static StyStatus write_flow(Arguments *arguments, StyImage *flow, Account *accou
 
 static StyStatus estimate(Arguments *arguments, StyImage *const images[3], StyImage **flow, Account *account,
                           StyError *error) {
-  const char *const names[2] = {arguments->options.output, arguments->files[TRUTH]};
+  const char *const names[2] = {arguments->files[FRAME], arguments->files[TRUTH]};
   const double start = sty_get_milliseconds();
   const StyRun job = begin_progress(&arguments->options, "searching");
   StyStatus status = sty_estimate_flow(arguments->files, images[FRAME], images[PREVIOUS], &arguments->flow, &job,
