@@ -12,6 +12,7 @@
 /* A scene, and from where it is seen. */
 typedef struct Shot {
   StyScene *scene;
+  StyViewpoint viewpoint;
   StyCamera camera;
 } Shot;
 
@@ -28,11 +29,10 @@ static StyStatus read_scene(const GuideArguments *arguments, const char *path, c
 
 static StyStatus open_shot(const GuideArguments *arguments, const char *path, const StyRun *run, Shot *out,
                            StyError *error) {
-  StyViewpoint viewpoint;
   Shot shot = {0};
-  StyStatus status = read_scene(arguments, path, run, &shot.scene, &viewpoint, error);
+  StyStatus status = read_scene(arguments, path, run, &shot.scene, &shot.viewpoint, error);
   if (!status) {
-    status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
+    status = sty_set_camera(shot.scene, &shot.viewpoint, arguments->width, arguments->height, &shot.camera, error);
     if (status) sty_fail(error, status, "%s: %s", path, error->text);
   }
   if (status)
@@ -183,6 +183,23 @@ static StyStatus draw_sphere(Work *work, StyError *error) {
   return status;
 }
 
+/* A camera that is fitted sees the scene, if only between its pixels; one that stands somewhere may look away. */
+static void warn_of_nothing(const Work *work) {
+  const StyViewpoint *viewpoint = &work->shot.viewpoint;
+  const StyStand *stand = &viewpoint->stand;
+  const char *output = clean_text(work->arguments->options.output);
+  if (!work->arguments->mesh || viewpoint->is_fit)
+    warn(&work->arguments->options,
+         "%s: found that no pixel's centre shows the mesh, expected more pixels or another view", output);
+  else
+    warn(&work->arguments->options,
+         "%s: found that no pixel's centre shows the scene, expected its camera, at (%g, %g, %g), to look at it: it "
+         "looks "
+         "at (%g, %g, %g)",
+         output, stand->position[0], stand->position[1], stand->position[2], stand->target[0], stand->target[1],
+         stand->target[2]);
+}
+
 static StyStatus print_report(const Work *work, StyError *error) {
   static const char *const stages[] = {"read", "build", "first", "trace", "write"};
   const GuideArguments *arguments = work->arguments;
@@ -190,9 +207,7 @@ static StyStatus print_report(const Work *work, StyError *error) {
                           work->write_ms};
   const double pixels = (double)arguments->width * arguments->height;
   const double rate = work->trace.trace_ms > 0 ? pixels / work->trace.trace_ms / 1e3 : 0;
-  if (!work->covered)
-    warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
-         clean_text(arguments->options.output));
+  if (!work->covered) warn_of_nothing(work);
   if (arguments->options.json) {
     json_t *report = json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f, s:f, s:f, s:f}", "schema", "stylut-guide/1",
                                "size", arguments->width, arguments->height, "covered", (json_int_t)work->covered,

@@ -150,22 +150,34 @@ static json_t *pack_levels(const StyStrokeFigures *figures) {
   return levels;
 }
 
+/* "level 2", or "levels 0 to 3" */
+static const char *format_levels(const StyStrokeOptions *strokes, char out[32]) {
+  if (strokes->count == 1)
+    snprintf(out, 32, "level %d", strokes->first);
+  else
+    snprintf(out, 32, "levels %d to %d", strokes->first, strokes->first + strokes->count - 1);
+  return out;
+}
+
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "measure", "write"};
   const Options *options = &arguments->options;
   const StyStrokeFigures *figures = &account->figures;
+  char levels[32];
   if (!figures->levels[0].covered)
     warn(options, "%s: found no covered pixel, expected a picture that shows something",
          clean_text(arguments->picture));
   if (options->json)
-    return print_json(json_pack("{s:s, s:[ii], s:s, s:f, s:o, s:o, s:f}", "schema", "stylut-guide-strokes/1", "size",
-                                account->width, account->height, "space", arguments->strokes.srgb ? "srgb" : "linear",
-                                "threshold", arguments->strokes.threshold, "levels", pack_levels(figures), "time_ms",
-                                pack_times(stages, account->times, STAGES), "peak_bytes", get_peak_bytes()),
-                      error);
+    return print_json(
+        json_pack("{s:s, s:[ii], s:s, s:f, s:{s:i, s:i}, s:o, s:o, s:f}", "schema", "stylut-guide-strokes/1", "size",
+                  account->width, account->height, "space", arguments->strokes.srgb ? "srgb" : "linear", "threshold",
+                  arguments->strokes.threshold, "written", "first", arguments->strokes.first, "last",
+                  arguments->strokes.first + arguments->strokes.count - 1, "levels", pack_levels(figures), "time_ms",
+                  pack_times(stages, account->times, STAGES), "peak_bytes", get_peak_bytes()),
+        error);
   if (options->quiet) return STY_OK;
-  printf("%s: %dx%d, %s\n", clean_text(options->output), account->width, account->height,
-         arguments->strokes.srgb ? "sRGB values" : "scene-linear values");
+  printf("%s: %dx%d, %s of %s\n", clean_text(options->output), account->width, account->height,
+         format_levels(&arguments->strokes, levels), arguments->strokes.srgb ? "sRGB values" : "scene-linear values");
   printf("level  size         covered  no orientation  detail p50     p90     p99     max\n");
   for (int m = 0; m < figures->count; m++) {
     const StyStrokeLevel *level = &figures->levels[m];
