@@ -12,6 +12,7 @@
 /* A scene, and from where it is seen. */
 typedef struct Shot {
   StyScene *scene;
+  StyViewpoint viewpoint;
   StyCamera camera;
 } Shot;
 
@@ -28,11 +29,10 @@ static StyStatus read_scene(const GuideArguments *arguments, const char *path, c
 
 static StyStatus open_shot(const GuideArguments *arguments, const char *path, const StyRun *run, Shot *out,
                            StyError *error) {
-  StyViewpoint viewpoint;
   Shot shot = {0};
-  StyStatus status = read_scene(arguments, path, run, &shot.scene, &viewpoint, error);
+  StyStatus status = read_scene(arguments, path, run, &shot.scene, &shot.viewpoint, error);
   if (!status) {
-    status = sty_set_camera(shot.scene, &viewpoint, arguments->width, arguments->height, &shot.camera, error);
+    status = sty_set_camera(shot.scene, &shot.viewpoint, arguments->width, arguments->height, &shot.camera, error);
     if (status) sty_fail(error, status, "%s: %s", path, error->text);
   }
   if (status)
@@ -100,7 +100,8 @@ static StyStatus open_writer(Work *work, StyImage *like, StyError *error) {
   const char **inputs = NULL;
   int count = 0;
   StyStatus status = list_inputs(work, false, &inputs, &count, error);
-  if (!status) status = add_history(options, "guide", like, inputs, count, error);
+  if (!status)
+    status = add_history(options, work->arguments->mesh ? "guide scene" : "guide sphere", like, inputs, count, error);
   free(inputs);
   return status ? status : sty_open_image_writer(options->output, like, work->arguments->height, &work->writer, error);
 }
@@ -112,10 +113,9 @@ static StyStatus take_rows(void *context, StyImage *rows, StyError *error) {
   const double start = sty_get_milliseconds();
   const float *covered = sty_find_channel(rows, "A");
   for (size_t i = 0; i < sty_count_pixels(rows); i++) work->covered += covered[i] > 0;
-  StyImageFormat format = STY_IMAGE_EXR;
   StyImage *encoded = NULL;
-  StyStatus status = sty_get_image_format(arguments->options.output, &format, error);
-  if (!status && format == STY_IMAGE_PNG) status = sty_encode_normals(rows, arguments->bits, &encoded, error);
+  StyStatus status = STY_OK;
+  if (arguments->format == STY_IMAGE_PNG) status = sty_encode_normals(rows, arguments->bits, &encoded, error);
   StyImage *image = encoded ? encoded : rows;
   if (!status && !work->writer) status = open_writer(work, image, error);
   if (!status) status = sty_write_rows(work->writer, image, error);
@@ -214,6 +214,23 @@ static StyStatus draw_sphere(Work *work, StyError *error) {
   return status;
 }
 
+/* A camera that is fitted sees the scene, if only between its pixels; one that stands somewhere may look away. */
+static void warn_of_nothing(const Work *work) {
+  const StyViewpoint *viewpoint = &work->shot.viewpoint;
+  const StyStand *stand = &viewpoint->stand;
+  const char *output = clean_text(work->arguments->options.output);
+  if (!work->arguments->mesh || viewpoint->is_fit)
+    warn(&work->arguments->options,
+         "%s: found that no pixel's centre shows the mesh, expected more pixels or another view", output);
+  else
+    warn(&work->arguments->options,
+         "%s: found that no pixel's centre shows the scene, expected its camera, at (%g, %g, %g), to look at it: it "
+         "looks "
+         "at (%g, %g, %g)",
+         output, stand->position[0], stand->position[1], stand->position[2], stand->target[0], stand->target[1],
+         stand->target[2]);
+}
+
 static StyStatus print_report(const Work *work, StyError *error) {
   static const char *const stages[] = {"read", "build", "first", "trace", "write", "render"};
   const GuideArguments *arguments = work->arguments;
@@ -221,9 +238,7 @@ static StyStatus print_report(const Work *work, StyError *error) {
                           work->trace.trace_ms, work->write_ms,       work->render_ms};
   const double pixels = (double)arguments->width * arguments->height;
   const double rate = work->trace.trace_ms > 0 ? pixels / work->trace.trace_ms / 1e3 : 0; /* millions a second */
-  if (!work->covered)
-    warn(&arguments->options, "%s: found that no pixel's centre shows the mesh, expected more pixels or another view",
-         clean_text(arguments->options.output));
+  if (!work->covered) warn_of_nothing(work);
   if (arguments->options.json) {
     json_t *report = json_pack("{s:s, s:[ii], s:I, s:I, s:o, s:f, s:f, s:f, s:f, s:f}", "schema", "stylut-guide/1",
                                "size", arguments->width, arguments->height, "covered", (json_int_t)work->covered,

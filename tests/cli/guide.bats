@@ -326,7 +326,7 @@ check_history() { # ENDING
   accept info c.$ending --format json
   expect version "$(json - 'r.attributes["stylut:version"]' <<<"$output")" "$version"
   expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum mesh.ply | cut -d' ' -f1)"
-  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide --view=30,10 --size=16 scene mesh.ply'
+  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide scene --view=30,10 --size=16 mesh.ply'
   accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending --no-history
   accept info c.$ending --format json
   expect attributes "$(json - 'Object.keys(r.attributes).length' <<<"$output")" 0
@@ -365,7 +365,7 @@ END
   expect 'covered pixels' "$(awk '$3 == 1' pixels.txt | wc -l)" 12
   accept info scene.json
   expect_holds info "$output" 'scene.json: scene of 2 object(s) from 1 mesh(es), 24 triangles, and 1 sphere(s)'
-  expect_holds info "$output" 'object 2: mesh 1, 12 triangles, style 1, object.I 2'
+  expect_holds info "$output" 'object 2: ./cube.obj, 12 triangles, style 1, object.I 2'
   accept info scene.json --format json
   expect 'info as JSON' "$(json - '[r.kind, r.meshes, r.triangles, r.objects[0].style, r.spheres[0].id, r.minimum[0], r.maximum[1]].join()' <<<"$output")" scene,1,24,3,3,-3,3
   accept guide scene scene.json -s 8 -c all -o other.exr --dry-run
@@ -378,6 +378,61 @@ END
   mv scene.json cube.obj sub/
   accept guide scene sub/scene.json -s 8 -c all --no-history -o again.exr
   expect 'from elsewhere' "$(dump again.exr A,depth.Z,position.X,position.Y,object.I,style.I)" "$(cat pixels.txt)"
+}
+
+@test "a camera of the scene's own that looks away is named" {
+  make_scene
+  sed 's/"target": \[0, 0, 0\]/"target": [0, 0, 12]/' scene.json >away.json
+  accept_warned "no pixel's centre shows the scene, expected its camera, at (0, 0, 9), to look at it: it looks at (0, 0, 12)" \
+    guide scene away.json -s 8 -o out.exr
+  printf 'v 0 0 0\nv 1 1 0\nv 0.001 0 0\nf 1 3 2\n' >sliver.obj
+  accept_warned "no pixel's centre shows the mesh, expected more pixels or another view" guide scene sliver.obj --view 90,0 -s 8 -o out.exr
+}
+
+@test "info lists all that a scene file says" {
+  make_scene
+  accept guide sphere -s 8 -o skin.png
+  sed 's|"style": 3|"style": 3, "texture": "skin.png", "color": [0.5,1,1], "specular": 0.4|
+    s|"spheres"|"lights": [ { "type": "point", "position": [1,2,3], "intensity": 5 },\
+      { "type": "directional", "direction": [0,-1,0], "color": [1,0.5,0] } ], "ambient": 0.25, "shadows": false, "spheres"|' scene.json >full.json
+  accept info full.json
+  local line
+  while IFS= read -r line; do expect_holds info "$output" "$line"; done <<'END'
+  camera: placed, orthographic, at (0, 0, 9), looks at (0, 0, 0), up (0, 1, 0), height 8
+  light 1: point, position (1, 2, 3), intensity 5, color (1, 1, 1)
+  light 2: directional, direction (0, -1, 0), intensity 1, color (1, 0.5, 0)
+  ambient 0.25, shadows off
+    color (0.5, 1, 1), texture ./skin.png, specular 0.4, shininess 32
+    transform 1 0 0 -2, 0 1 0 -2, 0 0 1 0
+    color of its mesh's file
+  sphere 1: center (-2, 2, 0), radius 1, style 5, object.I 3
+  texture 1: ./skin.png
+END
+  accept info full.json --format json
+  expect camera "$(json - 'r.camera' <<<"$output")" '{"type":"orthographic","position":[0,0,9],"target":[0,0,0],"up":[0,1,0],"height":8}'
+  expect lights "$(json - 'r.lights.map(l => [l.type, l.position || l.direction, l.intensity, l.color].join()).join(" ")' <<<"$output")" \
+    'point,1,2,3,5,1,1,1 directional,0,-1,0,1,1,0.5,0'
+  expect light "$(json - '[r.ambient, r.shadows].join()' <<<"$output")" 0.25,false
+  expect objects "$(json - 'r.objects.map(o => [o.file, o.texture, o.color, o.specular, o.transform[3]].join()).join(" ")' <<<"$output")" \
+    './cube.obj,./skin.png,0.5,1,1,0.4,-2 ./cube.obj,,,0,2'
+  expect spheres "$(json - 'r.spheres.map(s => [s.center, s.radius, s.color].join()).join(" ")' <<<"$output")" -2,2,0,1,1,1,1
+  expect textures "$(json - 'r.textures.map(t => t.file + t.inside_mesh).join()' <<<"$output")" ./skin.pngfalse
+  sed 's/"camera": {[^}]*}/"camera": { "view": "30,20", "fov": 40 }/' scene.json >fit.json
+  accept info fit.json
+  expect_holds info "$output" 'camera: fitted, perspective, azimuth 30, elevation 20, up y, fov 40'
+}
+
+@test "info tells JSON files by their schema" {
+  printf '{ "schema": "stylut-pairs/1", "kind": "affine", "pairs": [ { "from": [1, 2], "to": [3, 4.5] } ] }' >pairs.json
+  accept info pairs.json
+  expect 'pairs as text' "$output" 'pairs.json: 1 pair of points, in pixels, warp affine, alpha 1
+  pair 1: from (1, 2) to (3, 4.5)'
+  accept info pairs.json --format json
+  expect 'pairs as JSON' "$(json - '[r.kind, r.warp, r.units, r.pairs[0].from, r.pairs[0].to].join()' <<<"$output")" pairs,affine,pixels,1,2,3,4.5
+  printf '{ "schema": "stylut-bundle/1" }' >manifest.json
+  refuse 3 'manifest.json:1:13: schema: found "stylut-bundle/1", expected one of "stylut-scene/1", "stylut-pairs/1"' info manifest.json
+  printf '{}' >nothing.json
+  refuse 3 'nothing.json:1:1: found an object, expected a key "schema"' info nothing.json
 }
 
 @test "a scene file that is wrong names its line and column" {
