@@ -45,7 +45,7 @@ StyStatus read_image(const char *path, StyImage **out, StyError *error);
 
 StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error);
 void close_texture(StyTextureMap **texture);
-void sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
+bool sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 
 }  // namespace sty
 #endif

@@ -1,5 +1,6 @@
 #include "guide/paint.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,8 +10,10 @@
 #include "bridge/texture.h"
 
 struct StyPalette {
+  const StyScene *scene;
   StyTextureMap **textures; /* 1 per texture of the scene */
   int *files;               /* those of pictures inside a mesh's file; -1: another's */
+  atomic_bool *failed;      /* whether a look-up did; 1 per texture */
   int count;
   bool nearest;
 };
@@ -69,9 +72,11 @@ StyStatus sty_open_palette(const StyScene *scene, bool nearest, StyPalette **out
   if (!palette) return sty_fail_memory(error, "textures", sizeof *palette);
   palette->textures = calloc(count + 1, sizeof(StyTextureMap *));
   palette->files = malloc((count + 1) * sizeof *palette->files);
+  palette->failed = calloc(count + 1, sizeof *palette->failed);
+  palette->scene = scene;
   palette->nearest = nearest;
   StyStatus status = STY_OK;
-  if (palette->textures && palette->files) {
+  if (palette->textures && palette->files && palette->failed) {
     palette->count = scene->texture_count;
     for (size_t t = 0; t < count; t++) palette->files[t] = -1;
     status = open_used(palette, scene, error);
@@ -93,6 +98,7 @@ void sty_close_palette(StyPalette **palette) {
   }
   free((*palette)->textures);
   free((*palette)->files);
+  free((*palette)->failed);
   free(*palette);
   *palette = NULL;
 }
@@ -103,6 +109,16 @@ void sty_get_albedo(const StyPalette *palette, const StyHits *hits, int i, StyLa
   if (paint->texture < 0) return;
   const double uv[2] = {hits->uv[0][i], hits->uv[1][i]};
   float texel[3];
-  sty_sample_texture_map(palette->textures[paint->texture], uv, palette->nearest, texel);
+  if (!sty_sample_texture_map(palette->textures[paint->texture], uv, palette->nearest, texel))
+    atomic_store_explicit(&palette->failed[paint->texture], true, memory_order_relaxed);
   for (int k = 0; k < 3; k++) out[k][i] *= (double)texel[k];
+}
+
+StyStatus sty_check_palette(const StyPalette *palette, StyError *error) {
+  for (int t = 0; t < palette->count; t++)
+    if (atomic_load_explicit(&palette->failed[t], memory_order_relaxed))
+      return sty_fail(error, STY_ERROR_LIBRARY,
+                      "%s: found no colour when it was looked up, expected a picture that stays and memory for it",
+                      palette->scene->textures[t].path);
+  return STY_OK;
 }
