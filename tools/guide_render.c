@@ -230,6 +230,7 @@ static StyStatus plan_scene(Work *work) {
   const StyTraceOptions options = get_trace_options(work);
   const StyTraceEstimate e = sty_estimate_trace(work->shot.scene, &options);
   const double peak = estimate_peak(work, &e);
+  warn_of_scene(&arguments->options, work->shot.scene);
   json_t *figures =
       json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "triangles", (json_int_t)work->triangles,
                 "camera_rays", e.camera_rays, "paths", e.paths, "most_path_rays", e.path_rays, "most_shadow_rays",
@@ -256,6 +257,7 @@ static StyStatus render(Work *work, StyError *error) {
   const double start = sty_get_milliseconds();
   if (!status) status = sty_close_image_writer(&work->writer, error);
   work->write_ms += sty_get_milliseconds() - start;
+  if (!status && arguments->mesh) warn_of_scene(&arguments->options, work->shot.scene);
   return status ? status : print_report(work, error);
 }
 

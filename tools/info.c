@@ -189,6 +189,7 @@ static StyStatus show_scene(const Arguments *arguments, StyError *error) {
   StyViewpoint viewpoint;
   StyStatus status = sty_read_scene(arguments->file, NULL, &scene, &viewpoint, error);
   if (status) return status;
+  warn_of_scene(&arguments->options, scene);
   if (arguments->options.json)
     status = print_json(describe_scene(scene), error);
   else

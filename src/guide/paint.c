@@ -43,8 +43,16 @@ static StyStatus make_file(const StyPicture *picture, int *file, char path[32], 
   return *file >= 0 ? STY_OK : sty_fail_memory(error, picture->path, (double)picture->size);
 }
 
-static StyStatus open_picture(StyPalette *palette, const StyPicture *picture, int number, StyError *error) {
-  if (!picture->bytes) return sty_open_texture_map(picture->path, &palette->textures[number], error);
+/* One beside the scene's or the mesh's file. */
+static StyStatus open_outer(StyPalette *palette, const StyPicture *picture, int number, StyError *error) {
+  StyError cause;
+  const StyStatus status = sty_open_texture_map(picture->path, &palette->textures[number], &cause);
+  const char *named_by = picture->named_by;
+  return status ? sty_fail(error, status, "%s%s%s", named_by ? named_by : "", named_by ? ": " : "", cause.text)
+                : STY_OK;
+}
+
+static StyStatus open_inner(StyPalette *palette, const StyPicture *picture, int number, StyError *error) {
   char path[32];
   StyError cause;
   StyStatus status = make_file(picture, &palette->files[number], path, error);
@@ -61,7 +69,7 @@ static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError 
   mark_used(scene, used);
   StyStatus status = STY_OK;
   for (int t = 0; t < scene->texture_count && !status; t++)
-    if (used[t]) status = open_picture(palette, &scene->textures[t], t, error);
+    if (used[t]) status = (scene->textures[t].bytes ? open_inner : open_outer)(palette, &scene->textures[t], t, error);
   free(used);
   return status;
 }

@@ -111,7 +111,7 @@ static void test_lost(void **state) {
     StySphere sphere = {.radius = 1, .material = sty_white};
     snprintf(name, sizeof name, "%d.exr", t);
     write_picture(scratch, name, 3, rgb, 1);
-    assert_int_equal(sty_add_texture(scene, scratch->path, &sphere.material.paint.texture, NULL), STY_OK);
+    assert_int_equal(sty_add_texture(scene, scratch->path, NULL, &sphere.material.paint.texture, NULL), STY_OK);
     assert_int_equal(sty_add_sphere(scene, &sphere, NULL), STY_OK);
   }
   assert_int_equal(sty_open_palette(scene, true, &palette, NULL), STY_OK);
