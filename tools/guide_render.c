@@ -280,6 +280,7 @@ static StyStatus plan_scene(Work *work, StyError *error) {
   const StyStatus status = sty_estimate_trace(work->shot.scene, &work->shot.camera, &options, &e, error);
   if (status) return status;
   const double peak = estimate_peak(work, held, &e);
+  warn_of_scene(&arguments->options, work->shot.scene);
   json_t *figures =
       json_pack("{s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "triangles", (json_int_t)work->triangles,
                 "camera_rays", e.camera_rays, "paths", e.paths, "most_path_rays", e.path_rays, "most_shadow_rays",
@@ -309,6 +310,7 @@ static StyStatus render(Work *work, StyError *error) {
   if (!status) status = sty_close_image_writer(&work->writer, error);
   work->write_ms += sty_get_milliseconds() - last;
   work->render_ms = sty_get_milliseconds() - start;
+  if (!status && arguments->mesh) warn_of_scene(&arguments->options, work->shot.scene);
   return status ? status : print_report(work, error);
 }
 

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "meshes.h"
 #include "stylut/json.h"
 #include "stylut/scene_file.h"
 #include "stylut/warp.h"
@@ -205,6 +206,7 @@ static StyStatus show_scene(const Options *options, const char *path, StyError *
   StyViewpoint viewpoint;
   StyStatus status = sty_read_scene(path, NULL, &scene, &viewpoint, error);
   if (status) return status;
+  warn_of_scene(options, scene);
   if (options->json)
     status = print_json(describe_scene(scene, &viewpoint), error);
   else

@@ -29,6 +29,7 @@ typedef struct StyPaint {
 /* A picture that surfaces show. */
 typedef struct StyPicture {
   char *path;           /* its file; of one inside a mesh's file, what messages call it */
+  char *named_by;       /* who names that file, for messages: "wall.obj"; NULL: nobody else than the caller */
   unsigned char *bytes; /* of the latter: a picture's file, byte by byte; NULL: at the path */
   size_t size;
 } StyPicture;
@@ -53,6 +54,7 @@ typedef struct StyMesh {
   size_t vertices_read;  /* as the file, or the importer, has them: of an OBJ or STL one per corner, unused ones too */
   size_t repeated_faces; /* left out: two of their corners lie at the same place */
   size_t flat_faces;     /* left out: others without area */
+  char *lost_materials;  /* the material file that an OBJ file names and that isn't there; NULL: none */
   double import_bytes;   /* the most memory that the importer's process held; 0: there was none */
   double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
   size_t

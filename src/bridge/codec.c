@@ -181,6 +181,6 @@ void sty_close_texture_map(StyTextureMap **texture) {
   if (texture && *texture) codec->close_texture(texture);
 }
 
-void sty_sample_texture_map(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
-  codec->sample_texture(texture, uv, nearest, out);
+bool sty_sample_texture_map(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
+  return codec->sample_texture(texture, uv, nearest, out);
 }

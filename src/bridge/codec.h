@@ -27,7 +27,7 @@ typedef struct StyImageCodec {
   void (*discard_writer)(StyRowWriter **writer);
   StyStatus (*open_texture)(const char *path, StyTextureMap **out, StyError *error);
   void (*close_texture)(StyTextureMap **texture);
-  void (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
+  bool (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 } StyImageCodec;
 
 #define STY_CODEC_MODULE "libstylut_oiio.so"

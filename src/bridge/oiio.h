@@ -46,7 +46,7 @@ StyStatus read_shape(const char *path, StyImageShape *out, StyError *error);
 
 StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error);
 void close_texture(StyTextureMap **texture);
-void sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
+bool sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 
 }  // namespace sty
 #endif

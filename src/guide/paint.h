@@ -15,7 +15,11 @@ void sty_close_palette(StyPalette **palette);
  * read. Errors: those of sty_open_palette that headers show. */
 StyStatus sty_estimate_palette(const StyScene *scene, double *bytes, double *decode_bytes, StyError *error);
 
-/* Scene-linear diffuse reflectance at hit i, whose uv and owner are known. Thread-safe. */
+/* Scene-linear diffuse reflectance at hit i, whose uv and owner are known. Thread-safe; what a look-up has to say
+ * sty_check_palette says. */
 void sty_get_albedo(const StyPalette *palette, const StyHits *hits, int i, StyLane out[3]);
+
+/* STY_ERROR_LIBRARY names a texture that couldn't be looked up, so that colours are wrong. */
+StyStatus sty_check_palette(const StyPalette *palette, StyError *error);
 
 #endif

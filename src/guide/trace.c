@@ -185,6 +185,7 @@ static StyStatus trace_band(void *context, int first, const StyGuide *guide, con
   StyStatus status = outlined ? prepare_outlines(render, &band, error) : STY_OK;
   const long tiles = (long)count_tiles(guide->image->width) * count_tiles(band.rows);
   if (!status) status = sty_parallel_for(run, tiles, trace_tile, &band, error);
+  if (!status && render->palette) status = sty_check_palette(render->palette, error);
   if (!status && outlined) draw_contours(&band, sty_get_threads(run));
   return status;
 }

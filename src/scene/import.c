@@ -40,6 +40,12 @@ typedef struct Frame {
   double scale;
 } Frame;
 
+/* What importers only tell their log. */
+typedef struct Log {
+  bool bad_indices;     /* some drop faces with them, or bend them to other vertices */
+  char *lost_materials; /* the first material file that isn't there; owned */
+} Log;
+
 typedef struct Import {
   const char *path;
   const struct aiScene *file;
@@ -49,6 +55,7 @@ typedef struct Import {
   size_t triangle_count; /* of all parts, degenerate ones too */
   bool keep_normals;
   bool has_uvs; /* some part has */
+  Log log;
 } Import;
 
 /* ---- reading ---- */
@@ -164,20 +171,23 @@ static StyStatus cut_polygons(Import *import, StyError *error) {
   return import->file ? STY_OK : fail_library(import->path, error);
 }
 
-/* Some importers drop faces with bad indices, or bend them to other vertices,
- * and only tell their log. */
 static void watch_log(const char *message, char *user) {
-  if (strstr(message, "out of range") || strstr(message, "out-of-range")) *(bool *)(void *)user = true;
+  static const char lost[] = "Unable to locate material file ";
+  Log *log = (Log *)(void *)user;
+  if (strstr(message, "out of range") || strstr(message, "out-of-range")) log->bad_indices = true;
+  const char *found = strstr(message, lost);
+  if (!found || log->lost_materials) return;
+  found += strlen(lost);
+  log->lost_materials = strndup(found, strcspn(found, "\r\n"));
 }
 
 static StyStatus load_file(Import *import, StyError *error) {
-  bool bad_indices = false;
-  struct aiLogStream log = {watch_log, (char *)(void *)&bad_indices};
-  aiAttachLogStream(&log);
+  struct aiLogStream stream = {watch_log, (char *)(void *)&import->log};
+  aiAttachLogStream(&stream);
   import->file = aiImportFile(import->path, 0);
-  aiDetachLogStream(&log);
+  aiDetachLogStream(&stream);
   if (!import->file) return fail_library(import->path, error);
-  if (bad_indices)
+  if (import->log.bad_indices)
     return sty_fail(error, STY_ERROR_INPUT, "%s: a face asks for a vertex that the file does not hold", import->path);
   StyStatus status = check_meshes(import, error);
   return status == STY_OK ? cut_polygons(import, error) : status;
@@ -417,7 +427,7 @@ static StyPicture find_outer_texture(const char *path, struct aiString *name) {
   for (char *c = name->data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
   const char *slash = strrchr(name->data, '/');
   char *folder = sty_get_folder(path);
-  StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL};
+  StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL, .named_by = strdup(path)};
   char *beside = folder && slash ? sty_join_path(folder, slash + 1) : NULL;
   if (beside && picture.path && access(picture.path, F_OK) != 0 && access(beside, F_OK) == 0) {
     char *const nowhere = picture.path;
@@ -426,7 +436,10 @@ static StyPicture find_outer_texture(const char *path, struct aiString *name) {
   }
   free(beside);
   free(folder);
-  return picture;
+  if (picture.path && picture.named_by) return picture;
+  free(picture.path);
+  free(picture.named_by);
+  return (StyPicture){0};
 }
 
 /* The picture of a part's material; without a path: none. */
@@ -443,6 +456,7 @@ static int number_texture(StyMesh *mesh, StyPicture *picture) {
   for (int t = 0; t < mesh->texture_count; t++)
     if (strcmp(mesh->textures[t].path, picture->path) == 0) {
       free(picture->path);
+      free(picture->named_by);
       free(picture->bytes);
       return t;
     }
@@ -516,6 +530,7 @@ StyStatus sty_import_mesh(const char *path, bool keep_normals, StyMesh **out, St
   StyStatus status = mesh->path ? read_file(&import, error) : sty_fail_memory(error, path, (double)strlen(path));
   if (status == STY_OK) status = list_parts(&import, error);
   if (status == STY_OK) status = build_mesh(&import, mesh, error);
+  mesh->lost_materials = import.log.lost_materials;
   release_import(&import);
   if (status == STY_OK)
     *out = mesh;

@@ -153,11 +153,51 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   for name in missing:2 folder:2 cut:3 text:3 empty:3; do
     write_textured ${name%:*}
     for channel in albedo luma full; do
-      refuse ${name#*:} ${name%:*}.png guide scene scene.json -s 8 -c $channel -o out.exr
+      refuse ${name#*:} "scene.json: spheres[0].texture: ./${name%:*}.png: " guide scene scene.json -s 8 -c $channel -o out.exr
     done
-    # Not asked for.
-    accept guide scene scene.json -s 8 -c normal,uv -o normal.exr
+    # Not asked for: a file that isn't there is a mistake all the same.
+    if [ ${name#*:} = 2 ]; then
+      accept_warned "scene.json: spheres[0].texture: ./${name%:*}.png: " guide scene scene.json -s 8 -c normal,uv -o normal.exr
+      accept_warned "./${name%:*}.png: " guide scene scene.json -s 8 --dry-run -o none.exr
+      accept_warned "./${name%:*}.png: " info scene.json
+    else
+      accept guide scene scene.json -s 8 -c normal,uv -o normal.exr
+    fi
   done
+}
+
+@test "textures of layers: the plain one by name, or none" {
+  accept guide sphere -s 40 -c normal,depth -o layers.exr
+  write_scene '"spheres": [ { "texture": "layers.exr" } ]'
+  refuse 3 'layers.exr: found the channels A, depth.Z, normal.X, normal.Y, normal.Z, expected R, G and B, or Y alone' \
+    guide scene scene.json -s 8 -c albedo -o out.exr
+}
+
+@test "textures and materials of meshes: who names what isn't there" {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl skin\nf 1/1 2/1 3/1\n' >body.obj
+  printf 'mtllib skin.mtl\n' | cat - body.obj >wall.obj
+  accept_warned 'wall.obj: found no material file skin.mtl' guide scene wall.obj -s 8 -o out.exr
+  accept_warned 'wall.obj: found no material file skin.mtl' guide scene wall.obj -s 8 -c albedo -o out.exr
+  printf 'newmtl skin\nmap_Kd skin.png\n' >skin.mtl
+  accept_warned 'wall.obj: ./skin.png: ' guide scene wall.obj -s 8 -o out.exr
+  refuse 2 'wall.obj: ./skin.png: ' guide scene wall.obj -s 8 -c albedo -o none.exr
+  write_scene '"objects": [ { "mesh": "wall.obj" } ]'
+  refuse 2 'wall.obj: ./skin.png: ' guide scene scene.json -s 8 -c albedo -o none.exr
+  accept guide sphere -s 8 -o skin.png
+  accept guide scene wall.obj -s 8 -c albedo -o out.exr
+}
+
+@test "textures on meshes without texture coordinates" {
+  write_cube >cube.obj
+  accept guide sphere -s 8 -o skin.png
+  write_scene '"objects": [ { "mesh": "cube.obj" }, { "mesh": "cube.obj", "texture": "skin.png" } ]'
+  accept_warned 'object 2: found a texture on ./cube.obj, which has no texture coordinates' guide scene scene.json -s 8 -c albedo -o out.exr
+  (echo 'mtllib skin.mtl'; echo 'usemtl skin'; cat cube.obj) >wall.obj
+  printf 'newmtl skin\nmap_Kd skin.png\n' >skin.mtl
+  accept_warned 'object 1: found a texture on wall.obj, which has no texture coordinates' guide scene wall.obj -s 8 -c albedo -o out.exr
+  # Painted over, the mesh's own doesn't count.
+  write_scene '"objects": [ { "mesh": "wall.obj", "color": [1, 0, 0] } ]'
+  accept guide scene scene.json -s 8 -c albedo -o out.exr
 }
 
 @test "meshes of a scene that hold nothing, or nothing with an area" {
