@@ -27,6 +27,21 @@ make_program() { # NAME
   expect_same creature.ply "$exemplars/creature.ply"
 }
 
+@test "the lit scene: its models and pictures, and what they look like in the light" {
+  mkdir lit
+  "$exemplars/lit.sh" lit
+  local file
+  for file in urn.obj glaze.png tiles.png; do expect_same "$exemplars/lit/$file" lit/$file; done
+  accept guide scene "$exemplars/lit/lit.json" -s 150x133 -c albedo,luma,style,position -o lit.exr
+  # At the creature's feet it is darker than before them, and the urn wears two colours.
+  dump lit.exr position.X,position.Y,position.Z,style.I,luma.Y,albedo.R >pixels.txt
+  local mean='{ sum += $7; n++ } END { print n ? sum / n : "none" }'
+  expect_less 'light in the shade, and beside it' "$(awk '$6 == 3 && $3 > -0.2 && $3 < 0.1 && $5 > -0.6 && $5 < -0.1 '"$mean" pixels.txt)" \
+    "$(awk '$6 == 3 && $3 > -0.5 && $3 < 0.2 && $5 > 1.2 && $5 < 2 '"$mean" pixels.txt)"
+  expect_less 'dark glaze' 100 "$(awk '$6 == 2 && $8 < 0.06' pixels.txt | wc -l)"
+  expect_less 'bare clay' 100 "$(awk '$6 == 2 && $8 > 0.3' pixels.txt | wc -l)"
+}
+
 @test "every style of styles.json has its sphere" {
   expect exemplars "$(json "$exemplars/styles.json" 'r.styles.map(s => s.exemplar).sort().join("\n")')" "$(cd "$exemplars" && ls spheres/*.png)"
   local file
