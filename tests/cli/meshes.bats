@@ -55,6 +55,39 @@ skip_without_cgal() {
   expect_same clean.exr same.exr
 }
 
+@test "what was found, mended and remains is said" {
+  skip_without_cgal
+  write_cubes
+  local whole='remains: nothing; surfaces are closed and wound one way'
+  accept guide scene clean.off -s 16 --repair -o a.exr
+  expect_holds clean "$output" 'repair: nothing to remove or to turn, nothing was changed'
+  expect_holds clean "$output" "$whole"
+  accept guide scene dirty.off -s 16 --repair -o a.exr
+  expect_holds dirty "$output" 'repair: 2 duplicate triangle(s) removed, 3 turned round'
+  expect_holds dirty "$output" "$whole"
+  expect_match dirty "$output" 'before:[[:space:]]+14 triangles on 8 points'
+  accept guide scene open.off -s 16 --repair -o a.exr
+  expect_holds open "$output" 'nothing was changed'
+  expect_holds open "$output" 'remains: 1 hole(s) of 4 border edges, which aren'"'"'t filled'
+  # Twice the same, and open.
+  write_off "${clean[@]:0:2}" "${clean[@]:4}" "${clean[0]}" >both.off
+  accept guide scene both.off -s 16 --repair -o a.exr
+  expect_holds both "$output" 'repair: 1 duplicate triangle(s) removed, 0 turned round'
+  expect_holds both "$output" 'remains: 1 hole(s) of 4 border edges'
+  # A fin on an edge, and triangles that have nothing to do with each other.
+  write_off "${clean[@]}" '0 1 6' >fin.off
+  accept guide scene fin.off -s 16 --repair -o a.exr
+  expect_holds fin "$output" 'remains: 2 edge(s) of three or more triangles, 0 wound against each other'
+  expect_holds fin "$output" 'remains: 1 hole(s) of 1 border edges'
+  expect 'wrong word' "$(grep -cE 'manifold|nothing; surfaces' <<<"${output%%before:*}")" 0
+  printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' '0 0 1' '1 0 1' '0 1 1' >loose.obj
+  printf 'f %s\n' '1 2 3' '4 5 6' >>loose.obj
+  accept guide scene loose.obj -s 16 --repair -o a.exr
+  expect_holds loose "$output" 'remains: loose triangles, no two of which share an edge'
+  accept guide scene fin.off -s 16 --repair -o a.exr --format json
+  expect 'what is left' "$(get r.repair.left s.non_manifold_edges,holes)" '2 1'
+}
+
 @test "a hole stays a hole" {
   skip_without_cgal
   write_cubes
