@@ -82,13 +82,21 @@ json_t *pack_simplification(const StySimplification *done) {
 
 static double get_mib(const StyRenderCost *cost) { return (cost->mesh_bytes + cost->tree_bytes) / (1 << 20); }
 
+static void print_unsimplified(const StySimplification *done, const StySimplifyOptions *options) {
+  printf("simplified: no; all %zu triangles stay, since ", done->full.triangles);
+  if (done->full.triangles <= options->triangles)
+    printf("%zu were asked for\n", options->triangles);
+  else if (!done->trials)
+    puts("nothing can be removed");
+  else
+    printf("none of %d trial(s) kept normals within %g degrees at p99 and silhouettes within %g pixels (%.0f ms)\n",
+           done->trials, options->max_error, options->silhouette, done->search_ms);
+}
+
 void print_simplification(const StySimplification *done, const StySimplifyOptions *options) {
   const StyRenderCost *full = &done->full, *simple = &done->simple;
   if (!done->is_simpler) {
-    printf(
-        "simplified: no; all %zu triangles stay, since none of %d trial(s) kept normals within %g degrees at p99 and "
-        "silhouettes within %g pixels (%.0f ms)\n",
-        full->triangles, done->trials, options->max_error, options->silhouette, done->search_ms);
+    print_unsimplified(done, options);
     return;
   }
   printf("simplified: %zu of %zu triangles (%.1f %%), found in %.0f ms with %d trial(s)\n", simple->triangles,

@@ -134,9 +134,26 @@ skip_without_cgal() {
   skip_without_cgal
   write_cubes
   accept guide scene clean.off -s 32 --view 30,20 --simplify auto -o c.exr --no-history
-  expect_holds report "$output" 'simplified: no; all 12 triangles stay'
+  expect_holds report "$output" 'simplified: no; all 12 triangles stay, since nothing can be removed'
   accept guide scene clean.off -s 32 --view 30,20 -o full.exr --no-history
   expect_same c.exr full.exr
+}
+
+@test "simplified: why all triangles stay" {
+  skip_without_cgal
+  write_cubes
+  accept guide scene clean.off -s 16 --simplify 12 -o c.exr
+  expect_holds 'as many' "$output" 'simplified: no; all 12 triangles stay, since 12 were asked for'
+  accept guide scene clean.off -s 16 --crease 0 --simplify 8 -o c.exr
+  expect_holds 'hard edges' "$output" 'simplified: no; all 12 triangles stay, since nothing can be removed'
+  accept guide scene clean.off -s 16 --crease 0 --simplify 8 -o c.exr --format json
+  expect 'figures' "$(get r.simplify s.simpler,trials,compared)" 'false 0 0'
+  accept guide scene "$exemplars/creature.ply" -s 512 --simplify auto --max-error 0.001 -o c.exr
+  expect_match 'no budget' "$output" 'stay, since none of [1-9][0-9]* trial\(s\) kept normals within 0.001 degrees'
+  accept guide scene clean.off -s 16 --simplify 8 --dry-run -o never.exr
+  expect_holds 'dry run' "$output" '12 triangles (--simplify is left out of a dry run); rays'
+  accept guide scene clean.off -s 16 --repair --dry-run -o never.exr
+  expect_holds 'dry run without' "$output" '12 triangles; rays'
 }
 
 @test "simplified: every mesh of a scene" {
@@ -166,6 +183,9 @@ END
   refuse 1 --max-error guide scene clean.off -s 8 --simplify auto --max-error 181 -o out.exr
   refuse 1 --max-error guide scene clean.off -s 8 --simplify auto --max-error nan -o out.exr
   refuse 1 --previous guide scene clean.off -s 8 --simplify auto --previous clean.off -o out.exr
+  # Before anything is read.
+  refuse 1 'found a picture of 9000x9000' guide scene missing.off -s 9000 --simplify auto -o out.exr
+  refuse 2 missing.off guide scene missing.off -s 9000 --repair -o out.exr
   refuse 1 --repair guide sphere -s 8 --repair -o out.exr
   refuse 1 --simplify guide sphere -s 8 --simplify auto -o out.exr
 }
