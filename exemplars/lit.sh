@@ -5,6 +5,7 @@ out=$1
 here=$(cd "$(dirname "$0")" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+export LC_ALL=C # a point, whatever the language
 
 awk -v shape=urn -f "$here/shapes.awk" >"$out/urn.obj"
 for pattern in glaze tiles; do
