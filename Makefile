@@ -27,7 +27,7 @@ BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev 
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
 TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils
-BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels
+BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels time
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
