@@ -27,7 +27,7 @@ BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev 
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
 TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils
-BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels
+BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels time
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
@@ -225,12 +225,13 @@ run-zoo: $(BUILD)/tests/zoo/zoo $(TOOL) $(MODULE)
 	@tests/zoo/models.sh $(TOOL)
 	@$< > $(BUILD)/zoo.md && cp $(BUILD)/zoo.md exemplars/charts/.zoo.md && mv exemplars/charts/.zoo.md exemplars/charts/zoo.md
 
-# The pictures and the model that stand in exemplars/, made anew.
+# The pictures and the models that stand in exemplars/, made anew.
 .PHONY: artwork
-artwork: $(PAINT) $(CREATURE) ## repaint the exemplars and mesh the creature again
+artwork: $(PAINT) $(CREATURE) ## repaint the exemplars and make the models again
 	@mkdir -p exemplars/spheres
 	$(PAINT) exemplars/spheres
 	$(CREATURE) exemplars/creature.ply
+	exemplars/lit.sh exemplars/lit
 
 # The README's pictures, from the demo's.
 .PHONY: pictures

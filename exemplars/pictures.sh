@@ -43,6 +43,13 @@ for name in full LDE LSE LD12E LIE; do
 done
 oiiotool --nosoftwareattrib "$demo"/box.{full,LDE,LSE,LD12E,LIE}.png --mosaic 5x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/paths.png"
 
+# Things in the light: their colours, how light they are, their outlines.
+"$stylut" guide scene "$(dirname "$0")/lit/lit.json" -s 300x267 -c albedo,luma,contour -q -o "$demo/lit.exr"
+oiiotool --nosoftwareattrib "$demo/lit.exr" --ch albedo.R,albedo.G,albedo.B --chnames R,G,B --colorconvert linear sRGB -d uint8 \
+  -o "$demo/lit.albedo.png" "$demo/lit.exr" --ch luma.Y,luma.Y,luma.Y --chnames R,G,B --colorconvert linear sRGB -d uint8 \
+  -o "$demo/lit.luma.png" "$demo/lit.exr" --ch contour.Y,contour.Y,contour.Y --chnames R,G,B --mulc -1 --addc 1 -d uint8 -o "$demo/lit.contour.png"
+oiiotool --nosoftwareattrib "$demo"/lit.{albedo,luma,contour}.png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/lit.png"
+
 # What a painter would go by, 8x8 pixels at a time: colour, detail (dark), and lines by twice their angle.
 "$stylut" guide strokes "$demo/oil.png" --level 3 --space srgb -c all -q -o "$demo/strokes.exr"
 oiiotool --nosoftwareattrib "$demo/strokes.exr" --ch color.R,color.G,color.B,A --chnames R,G,B,A -o "$demo/strokes.1.tif" \

@@ -12,7 +12,7 @@ cd "$scratch"
 size=512
 
 cp "$here/creature.ply" .
-for shape in torus bust; do awk -v shape=$shape -f "$here/shapes.awk" >$shape.obj; done
+for shape in torus bust; do LC_ALL=C awk -v shape=$shape -f "$here/shapes.awk" >$shape.obj; done
 
 # measure MODEL auto|COUNT: a line of the table; times are the least of three runs.
 measure() {
@@ -31,7 +31,9 @@ measure() {
       r.silhouette_px, time("simple"), time("full"), bytes("simple"), bytes("full"), least(run => run.search_ms)].join())' "${1%.*}" "$3"
 }
 
-echo 'model,chosen,triangles,full_triangles,mean_deg,p99_deg,silhouette_px,render_ms,full_render_ms,bytes,full_bytes,search_ms' >simplify.csv
+cpu=$(sed -n 's/^model name[[:blank:]]*: //p' /proc/cpuinfo | head -n 1)
+printf '# %s, %s cores; %s\n' "${cpu:-unknown processor}" "$(nproc)" "$("$stylut" --version | head -n 1)" >simplify.csv
+echo 'model,chosen,triangles,full_triangles,mean_deg,p99_deg,silhouette_px,render_ms,full_render_ms,bytes,full_bytes,search_ms' >>simplify.csv
 for model in creature.ply torus.obj bust.obj; do
   echo "$model" >&2
   all=$("$stylut" info "$model" --format json | node -p 'JSON.parse(require("fs").readFileSync(0)).survey.triangles')
@@ -55,20 +57,20 @@ set datafile missing NaN
 set logscale y
 set yrange [0.01:1000]
 set title "Normals' change, 99th percentile, degrees"
-plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):6 skip 1 with linespoints pt 7 ps 0.5 lc rgb colour(i) title word(models, i), \
-  for [i=1:3] "simplify.csv" using (of(word(models, i), "auto", $3)):6 skip 1 with points pt 6 ps 1.4 lw 2 lc rgb colour(i) notitle, \
+plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):6 skip 2 with linespoints pt 7 ps 0.5 lc rgb colour(i) title word(models, i), \
+  for [i=1:3] "simplify.csv" using (of(word(models, i), "auto", $3)):6 skip 2 with points pt 6 ps 1.4 lw 2 lc rgb colour(i) notitle, \
   1 with lines dt 2 lc rgb "#888888" title "--max-error 1; rings: auto"
 unset logscale y
 set key top right
 set yrange [0:*]
 set title "Silhouettes' move, pixels (at most 4 are told)"
-plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):7 skip 1 with linespoints pt 7 ps 0.5 lc rgb colour(i) notitle, \
-  for [i=1:3] "simplify.csv" using (of(word(models, i), "auto", $3)):7 skip 1 with points pt 6 ps 1.4 lw 2 lc rgb colour(i) notitle, \
+plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):7 skip 2 with linespoints pt 7 ps 0.5 lc rgb colour(i) notitle, \
+  for [i=1:3] "simplify.csv" using (of(word(models, i), "auto", $3)):7 skip 2 with points pt 6 ps 1.4 lw 2 lc rgb colour(i) notitle, \
   0.5 with lines dt 2 lc rgb "#888888" title "half a pixel"
 set yrange [0:1.1]
 set title "Time (solid), memory (dashed), full mesh = 1"
-plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):($8 / $9) skip 1 with linespoints pt 7 ps 0.5 lc rgb colour(i) notitle, \
-  for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):($10 / $11) skip 1 with lines dt 2 lw 2 lc rgb colour(i) notitle
+plot for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):($8 / $9) skip 2 with linespoints pt 7 ps 0.5 lc rgb colour(i) notitle, \
+  for [i=1:3] "simplify.csv" using (of(word(models, i), "count", $3)):($10 / $11) skip 2 with lines dt 2 lw 2 lc rgb colour(i) notitle
 END
 sed -i 's/ *$//' simplify.svg # the house has no trailing blanks
 mv simplify.svg simplify.csv "$out/"

@@ -291,10 +291,11 @@ static StyStatus plan_scene(Work *work, StyError *error) {
   if (e.shadow_rays > 0) snprintf(shadows, sizeof shadows, ", at most %.0f for shadows", e.shadow_rays);
   if (e.texture_bytes > 0) snprintf(textures, sizeof textures, ", textures %.0f", e.texture_bytes / 1e6);
   return report_estimate(&work->arguments->options, figures,
-                         "%dx%d pixels, %zu triangles; rays: %.0f from the camera%s%s; memory: about %.0f MB at its "
+                         "%dx%d pixels, %zu triangles%s; rays: %.0f from the camera%s%s; memory: about %.0f MB at its "
                          "most, of which meshes %.0f, their tree while it is built %.0f%s",
-                         arguments->width, arguments->height, work->triangles, e.camera_rays, paths, shadows,
-                         peak / 1e6, work->mesh_bytes / 1e6, e.build_bytes / 1e6, textures);
+                         arguments->width, arguments->height, work->triangles,
+                         arguments->simplify ? " (--simplify is left out of a dry run)" : "", e.camera_rays, paths,
+                         shadows, peak / 1e6, work->mesh_bytes / 1e6, e.build_bytes / 1e6, textures);
 }
 
 static StyStatus render(Work *work, StyError *error) {

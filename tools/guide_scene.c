@@ -140,7 +140,9 @@ static StyStatus check_arguments(GuideArguments *arguments) {
   if (arguments->simplify && arguments->previous)
     return sty_fail(error, STY_ERROR_USAGE,
                     "--simplify: found with --previous, expected one of them: motion needs the same triangles in both");
-  return STY_OK;
+  return arguments->simplify
+             ? sty_check_simplify(arguments->width, arguments->height, &arguments->simplify_options, error)
+             : STY_OK;
 }
 
 /* ---- parsing ---- */

@@ -34,14 +34,34 @@ void print_survey(const StyMeshSurvey *s) {
          s->holes, s->borders, s->tangles);
 }
 
+static bool is_manifold(const StyMeshSurvey *s) { return !s->clashes && !s->tangles; }
+
 json_t *pack_repair(const StyRepair *repair) {
-  return json_pack("{s:o, s:I, s:I, s:b}", "found", pack_survey(&repair->found), "removed", (json_int_t)repair->removed,
-                   "turned", (json_int_t)repair->turned, "manifold", repair->is_manifold);
+  return json_pack("{s:o, s:o, s:I, s:I, s:b}", "found", pack_survey(&repair->found), "left",
+                   pack_survey(&repair->left), "removed", (json_int_t)repair->removed, "turned",
+                   (json_int_t)repair->turned, "manifold", is_manifold(&repair->left));
+}
+
+/* What no repair takes away. */
+static void print_remains(const StyMeshSurvey *left) {
+  if (!left->borders && is_manifold(left)) puts("  remains: nothing; surfaces are closed and wound one way");
+  if (left->borders == 3 * left->triangles)
+    puts("  remains: loose triangles, no two of which share an edge");
+  else if (left->borders)
+    printf("  remains: %zu hole(s) of %zu border edges, which aren't filled\n", left->holes, left->borders);
+  if (!is_manifold(left))
+    printf(
+        "  remains: %zu edge(s) of three or more triangles, %zu wound against each other: no surface, but it renders\n",
+        left->tangles, left->clashes);
 }
 
 void print_repair(const StyRepair *repair) {
-  printf("repair: %zu duplicate triangle(s) removed, %zu turned round; %s\n", repair->removed, repair->turned,
-         repair->is_manifold ? "now a manifold" : "still not a manifold, which renders all the same");
+  if (repair->removed || repair->turned)
+    printf("repair: %zu duplicate triangle(s) removed, %zu turned round\n", repair->removed, repair->turned);
+  else
+    puts("repair: nothing to remove or to turn, nothing was changed");
+  print_remains(&repair->left);
+  puts("  before:");
   print_survey(&repair->found);
 }
 
@@ -62,13 +82,21 @@ json_t *pack_simplification(const StySimplification *done) {
 
 static double get_mib(const StyRenderCost *cost) { return (cost->mesh_bytes + cost->tree_bytes) / (1 << 20); }
 
+static void print_unsimplified(const StySimplification *done, const StySimplifyOptions *options) {
+  printf("simplified: no; all %zu triangles stay, since ", done->full.triangles);
+  if (done->full.triangles <= options->triangles)
+    printf("%zu were asked for\n", options->triangles);
+  else if (!done->trials)
+    puts("nothing can be removed");
+  else
+    printf("none of %d trial(s) kept normals within %g degrees at p99 and silhouettes within %g pixels (%.0f ms)\n",
+           done->trials, options->max_error, options->silhouette, done->search_ms);
+}
+
 void print_simplification(const StySimplification *done, const StySimplifyOptions *options) {
   const StyRenderCost *full = &done->full, *simple = &done->simple;
   if (!done->is_simpler) {
-    printf(
-        "simplified: no; all %zu triangles stay, since none of %d trial(s) kept normals within %g degrees at p99 and "
-        "silhouettes within %g pixels (%.0f ms)\n",
-        full->triangles, done->trials, options->max_error, options->silhouette, done->search_ms);
+    print_unsimplified(done, options);
     return;
   }
   printf("simplified: %zu of %zu triangles (%.1f %%), found in %.0f ms with %d trial(s)\n", simple->triangles,

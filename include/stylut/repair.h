@@ -32,10 +32,9 @@ typedef struct StyMeshSurvey {
 StyStatus sty_survey_mesh(const StyMesh *mesh, StyMeshSurvey *out, StyError *error);
 
 typedef struct StyRepair {
-  StyMeshSurvey found;
-  size_t removed;   /* copies */
-  size_t turned;    /* triangles turned round; of each component the fewer side turns */
-  bool is_manifold; /* then: no clashes and no tangles are left. Else it stays a soup, which renders as well */
+  StyMeshSurvey found, left; /* before and after; clashes and tangles that are left render as well */
+  size_t removed;            /* copies */
+  size_t turned;             /* triangles turned round; of each component the fewer side turns */
 } StyRepair;
 
 /* Takes copies out, the first stays, and turns triangles so that neighbours agree (Gueziec et al. 2001; CGAL's

@@ -47,17 +47,21 @@ typedef struct StySimplifyOptions {
 typedef struct StySimplification {
   StyRenderCost full, simple;
   StyGuideChange change; /* as rendered; zero where the full meshes stay */
-  int trials;            /* renders of simplified meshes */
+  int trials;            /* renders of simplified meshes; 0: no edge can collapse, or so few were there before */
   double search_ms;      /* all of it, both sides' renders included */
   bool is_simpler;       /* false: nothing could go within the budget, and the scene is as it was */
 } StySimplification;
+
+/* What sty_simplify_scene asks of a picture's size and the budgets, before anything is read.
+ * STY_ERROR_USAGE: out of range. */
+StyStatus sty_check_simplify(int width, int height, const StySimplifyOptions *options, StyError *error);
 
 /* Puts simplified meshes in the place of the scene's, each in turn: a quarter of the triangles as long as the whole
  * picture stays within the budget, then halfway (geometrically) between what does and what doesn't, until the two are
  * within 5 %. The scene's bounds and camera stay those of the full meshes. Meshes should have been repaired
  * (sty_repair_scene). `trace` gives size, flat and frame; its channels don't matter: normals and ids are compared,
  * what other channels show isn't. Deterministic; threads only change the time.
- * On failure the scene is as it was. STY_ERROR_USAGE (budgets or a picture out of range), STY_ERROR_UNAVAILABLE (a
+ * On failure the scene is as it was. STY_ERROR_USAGE (sty_check_simplify), STY_ERROR_UNAVAILABLE (a
  * build without CGAL), STY_ERROR_LIBRARY. */
 StyStatus sty_simplify_scene(StyScene *scene, const StyCamera *camera, const StyTraceOptions *trace,
                              const StySimplifyOptions *options, const StyRun *run, StySimplification *out,

@@ -1,8 +1,5 @@
 /* The one table of guide channels, and how a picture gets them.
- *
- * To add a channel group: a bit in StyChannelGroup, a field of StySamples, a row
- * in STY_CHANNEL_GROUPS; then fill the field in sphere.c and trace.c where the
- * group is asked for. Names, allocation, miss values and --channels follow. */
+ * CONTRIBUTING.md says how to add a channel. */
 #ifndef STYLUT_GUIDE_CHANNELS_H
 #define STYLUT_GUIDE_CHANNELS_H
 

@@ -117,38 +117,50 @@ static StyStatus search_budget(Search *search, StyError *error) {
   return status;
 }
 
+/* One mesh with `share` of its triangles, or about so many, in its place, if any can go. */
+static StyStatus shrink_mesh(Search *search, int m, double share, bool *is_smaller, StyError *error) {
+  Descent *descent = &search->descents[m];
+  StyMesh *mesh = NULL;
+  const size_t target = (size_t)(share * (double)descent->good + 0.5);
+  if (target >= descent->good) return STY_OK;
+  const StyStatus status = sty_simplify_to(descent->simplifier, target, &mesh, error);
+  if (status) return status;
+  if (mesh->triangle_count < descent->good) {
+    place(search, m, mesh);
+    *is_smaller = true;
+  } else {
+    sty_destroy_mesh(&mesh);
+  }
+  return STY_OK;
+}
+
 /* About as many triangles as were asked for, by the same share of each mesh. */
 static StyStatus take_share(Search *search, StyError *error) {
   const double share = (double)search->options->triangles / (double)search->result.full.triangles;
+  bool is_smaller = false;
+  StyStatus status = STY_OK;
+  for (int m = 0; m < search->scene->mesh_count && !status; m++)
+    status = shrink_mesh(search, m, share, &is_smaller, error);
+  if (status || !is_smaller) return status;
   StyGuideChange change;
   StyRenderCost cost;
-  for (int m = 0; m < search->scene->mesh_count; m++) {
-    Descent *descent = &search->descents[m];
-    StyMesh *mesh = NULL;
-    const size_t target = (size_t)(share * (double)descent->good + 0.5);
-    if (target >= descent->good) continue;
-    const StyStatus status = sty_simplify_to(descent->simplifier, target, &mesh, error);
-    if (status) return status;
-    place(search, m, mesh);
-  }
-  const StyStatus status = measure(search, &change, &cost, error);
-  if (!status && cost.triangles < search->result.full.triangles) note(search, &change, &cost);
+  status = measure(search, &change, &cost, error);
+  if (!status) note(search, &change, &cost);
   return status;
 }
 
 /* ---- beginning and end ---- */
 
-static StyStatus check_options(const StyTraceOptions *trace, const StySimplifyOptions *options, StyError *error) {
+StyStatus sty_check_simplify(int width, int height, const StySimplifyOptions *options, StyError *error) {
   if (!(options->max_error >= 0 && options->max_error <= 180))
     return sty_fail(error, STY_ERROR_USAGE, "largest error: found %g degrees, expected 0 to 180", options->max_error);
   if (!(options->silhouette >= 0 && options->silhouette <= STY_MOST_SILHOUETTE))
     return sty_fail(error, STY_ERROR_USAGE, "silhouette: found %g pixels, expected 0 to %d", options->silhouette,
                     STY_MOST_SILHOUETTE);
-  if ((long long)trace->width * trace->height > STY_MOST_SIMPLIFIED_PIXELS || trace->width > STY_MAX_SIDE / 2 ||
-      trace->height > STY_MAX_SIDE / 2)
+  if ((long long)width * height > STY_MOST_SIMPLIFIED_PIXELS || width > STY_MAX_SIDE / 2 || height > STY_MAX_SIDE / 2)
     return sty_fail(error, STY_ERROR_USAGE,
-                    "simplifying: found a picture of %dx%d, expected at most %lld pixels and sides of %d", trace->width,
-                    trace->height, STY_MOST_SIMPLIFIED_PIXELS, STY_MAX_SIDE / 2);
+                    "simplifying: found a picture of %dx%d, expected at most %lld pixels and sides of %d", width,
+                    height, STY_MOST_SIMPLIFIED_PIXELS, STY_MAX_SIDE / 2);
   return STY_OK;
 }
 
@@ -214,7 +226,7 @@ StyStatus sty_simplify_scene(StyScene *scene, const StyCamera *camera, const Sty
   Search search = {.scene = scene, .camera = camera, .trace = trace, .options = options};
   search.run.threads = run ? run->threads : 0;
   const double start = sty_get_milliseconds();
-  StyStatus status = check_options(trace, options, error);
+  StyStatus status = sty_check_simplify(trace->width, trace->height, options, error);
   if (status) return status;
   status = open_search(&search, error);
   if (!status) status = options->triangles ? take_share(&search, error) : search_budget(&search, error);

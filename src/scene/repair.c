@@ -198,7 +198,6 @@ static StyStatus rebuild(StyMesh *mesh, const StySoup *soup, const unsigned char
 
 static StyStatus repair(StyMesh *mesh, StySoup *soup, StyRepair *out, StyError *error) {
   StyWinding winding = {0};
-  StyMeshSurvey after = {0};
   StyStatus status = look(mesh, soup, &out->found, error);
   if (!status) status = choose_sides(soup, &out->found, &winding, error);
   out->removed = out->found.copies;
@@ -206,10 +205,8 @@ static StyStatus repair(StyMesh *mesh, StySoup *soup, StyRepair *out, StyError *
   const bool is_changed = out->removed || out->turned;
   if (!status && is_changed) status = rebuild(mesh, soup, winding.turned, error);
   sty_destroy_winding(&winding);
-  if (!status && is_changed) status = sty_survey_mesh(mesh, &after, error);
-  if (!is_changed) after = out->found;
-  out->is_manifold = !after.clashes && !after.tangles;
-  return status;
+  out->left = out->found;
+  return !status && is_changed ? sty_survey_mesh(mesh, &out->left, error) : status;
 }
 
 StyStatus sty_repair_mesh(StyMesh *mesh, StyRepair *out, StyError *error) {
@@ -250,15 +247,15 @@ StyStatus sty_survey_scene(const StyScene *scene, StyMeshSurvey *out, StyError *
 }
 
 StyStatus sty_repair_scene(StyScene *scene, StyRepair *out, StyError *error) {
-  StyRepair sum = {.is_manifold = true};
+  StyRepair sum = {0};
   for (int m = 0; m < scene->mesh_count; m++) {
     StyRepair done;
     const StyStatus status = sty_repair_mesh(scene->meshes[m], &done, error);
     if (status) return status;
     add_survey(&sum.found, &done.found);
+    add_survey(&sum.left, &done.left);
     sum.removed += done.removed;
     sum.turned += done.turned;
-    sum.is_manifold &= done.is_manifold;
   }
   *out = sum;
   return STY_OK;

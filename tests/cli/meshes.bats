@@ -55,6 +55,39 @@ skip_without_cgal() {
   expect_same clean.exr same.exr
 }
 
+@test "what was found, mended and remains is said" {
+  skip_without_cgal
+  write_cubes
+  local whole='remains: nothing; surfaces are closed and wound one way'
+  accept guide scene clean.off -s 16 --repair -o a.exr
+  expect_holds clean "$output" 'repair: nothing to remove or to turn, nothing was changed'
+  expect_holds clean "$output" "$whole"
+  accept guide scene dirty.off -s 16 --repair -o a.exr
+  expect_holds dirty "$output" 'repair: 2 duplicate triangle(s) removed, 3 turned round'
+  expect_holds dirty "$output" "$whole"
+  expect_match dirty "$output" 'before:[[:space:]]+14 triangles on 8 points'
+  accept guide scene open.off -s 16 --repair -o a.exr
+  expect_holds open "$output" 'nothing was changed'
+  expect_holds open "$output" 'remains: 1 hole(s) of 4 border edges, which aren'"'"'t filled'
+  # Twice the same, and open.
+  write_off "${clean[@]:0:2}" "${clean[@]:4}" "${clean[0]}" >both.off
+  accept guide scene both.off -s 16 --repair -o a.exr
+  expect_holds both "$output" 'repair: 1 duplicate triangle(s) removed, 0 turned round'
+  expect_holds both "$output" 'remains: 1 hole(s) of 4 border edges'
+  # A fin on an edge, and triangles that have nothing to do with each other.
+  write_off "${clean[@]}" '0 1 6' >fin.off
+  accept guide scene fin.off -s 16 --repair -o a.exr
+  expect_holds fin "$output" 'remains: 2 edge(s) of three or more triangles, 0 wound against each other'
+  expect_holds fin "$output" 'remains: 1 hole(s) of 1 border edges'
+  expect 'wrong word' "$(grep -cE 'manifold|nothing; surfaces' <<<"${output%%before:*}")" 0
+  printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' '0 0 1' '1 0 1' '0 1 1' >loose.obj
+  printf 'f %s\n' '1 2 3' '4 5 6' >>loose.obj
+  accept guide scene loose.obj -s 16 --repair -o a.exr
+  expect_holds loose "$output" 'remains: loose triangles, no two of which share an edge'
+  accept guide scene fin.off -s 16 --repair -o a.exr --format json
+  expect 'what is left' "$(get r.repair.left s.non_manifold_edges,holes)" '2 1'
+}
+
 @test "a hole stays a hole" {
   skip_without_cgal
   write_cubes
@@ -101,9 +134,26 @@ skip_without_cgal() {
   skip_without_cgal
   write_cubes
   accept guide scene clean.off -s 32 --view 30,20 --simplify auto -o c.exr --no-history
-  expect_holds report "$output" 'simplified: no; all 12 triangles stay'
+  expect_holds report "$output" 'simplified: no; all 12 triangles stay, since nothing can be removed'
   accept guide scene clean.off -s 32 --view 30,20 -o full.exr --no-history
   expect_same c.exr full.exr
+}
+
+@test "simplified: why all triangles stay" {
+  skip_without_cgal
+  write_cubes
+  accept guide scene clean.off -s 16 --simplify 12 -o c.exr
+  expect_holds 'as many' "$output" 'simplified: no; all 12 triangles stay, since 12 were asked for'
+  accept guide scene clean.off -s 16 --crease 0 --simplify 8 -o c.exr
+  expect_holds 'hard edges' "$output" 'simplified: no; all 12 triangles stay, since nothing can be removed'
+  accept guide scene clean.off -s 16 --crease 0 --simplify 8 -o c.exr --format json
+  expect 'figures' "$(get r.simplify s.simpler,trials,compared)" 'false 0 0'
+  accept guide scene "$exemplars/creature.ply" -s 512 --simplify auto --max-error 0.001 -o c.exr
+  expect_match 'no budget' "$output" 'stay, since none of [1-9][0-9]* trial\(s\) kept normals within 0.001 degrees'
+  accept guide scene clean.off -s 16 --simplify 8 --dry-run -o never.exr
+  expect_holds 'dry run' "$output" '12 triangles (--simplify is left out of a dry run); rays'
+  accept guide scene clean.off -s 16 --repair --dry-run -o never.exr
+  expect_holds 'dry run without' "$output" '12 triangles; rays'
 }
 
 @test "simplified: every mesh of a scene" {
@@ -133,6 +183,9 @@ END
   refuse 1 --max-error guide scene clean.off -s 8 --simplify auto --max-error 181 -o out.exr
   refuse 1 --max-error guide scene clean.off -s 8 --simplify auto --max-error nan -o out.exr
   refuse 1 --previous guide scene clean.off -s 8 --simplify auto --previous clean.off -o out.exr
+  # Before anything is read.
+  refuse 1 'found a picture of 9000x9000' guide scene missing.off -s 9000 --simplify auto -o out.exr
+  refuse 2 missing.off guide scene missing.off -s 9000 --repair -o out.exr
   refuse 1 --repair guide sphere -s 8 --repair -o out.exr
   refuse 1 --simplify guide sphere -s 8 --simplify auto -o out.exr
 }

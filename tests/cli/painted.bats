@@ -27,6 +27,20 @@ make_program() { # NAME
   expect_same creature.ply "$exemplars/creature.ply"
 }
 
+@test "the lit scene: its models and pictures, and what they look like in the light" {
+  mkdir lit
+  "$exemplars/lit.sh" lit
+  local file
+  for file in urn.obj glaze.png tiles.png; do expect_same "$exemplars/lit/$file" lit/$file; done
+  accept guide scene "$exemplars/lit/lit.json" -s 150x133 -c albedo,luma,style -o lit.exr
+  # Where neither light comes there is the ambient 0.12 alone; the urn wears two colours.
+  dump lit.exr style.I,luma.Y,albedo.R >pixels.txt
+  expect_less 'floor in the shade of both lights' 50 "$(awk '$3 == 3 && $4 < 0.13 * $5' pixels.txt | wc -l)"
+  expect_less 'floor in the light' 2000 "$(awk '$3 == 3 && $4 > 0.6 * $5' pixels.txt | wc -l)"
+  expect_less 'dark glaze' 100 "$(awk '$3 == 2 && $5 < 0.06' pixels.txt | wc -l)"
+  expect_less 'bare clay' 100 "$(awk '$3 == 2 && $5 > 0.3' pixels.txt | wc -l)"
+}
+
 @test "every style of styles.json has its sphere" {
   expect exemplars "$(json "$exemplars/styles.json" 'r.styles.map(s => s.exemplar).sort().join("\n")')" "$(cd "$exemplars" && ls spheres/*.png)"
   local file

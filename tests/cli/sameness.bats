@@ -2,6 +2,42 @@
 # The same bytes on any number of threads, in every run, from every compiler.
 load helpers
 
+# write_scene FILE HEIGHT AZIMUTH: several objects and spheres, a texture, lights of both kinds with shadows.
+# The creature stands HEIGHT above the floor.
+write_scene() {
+  printf 'v %s\n' '-3 -1 -3' '3 -1 -3' '3 -1 3' '-3 -1 3' >floor.obj
+  printf 'vt %s\n' '0 0' '3 0' '3 3' '0 3' >>floor.obj
+  echo 'f 4/4 3/3 2/2 1/1' >>floor.obj
+  cat >"$1" <<END
+{ "schema": "stylut-scene/1", "camera": { "type": "perspective", "position": [$3, 1.5, 6], "target": [0, -0.1, 0], "fov": 30 },
+  "objects": [
+    { "mesh": "art/creature.ply", "style": 1, "color": [0.6, 0.5, 0.3], "transform": [1,0,0,0, 0,1,0,$2, 0,0,1,0, 0,0,0,1] },
+    { "mesh": "art/creature.ply", "style": 2, "transform": [0.5,0,0,-1.3, 0,0.5,0,-0.5, 0,0,0.5,0.4, 0,0,0,1] },
+    { "mesh": "floor.obj", "texture": "flat.png" } ],
+  "spheres": [ { "center": [1.2, -0.6, 0.6], "radius": 0.4, "style": 3, "color": [0.2, 0.4, 0.7], "specular": 0.5 },
+               { "center": [-1, 0.7, -0.5], "radius": 0.3 } ],
+  "lights": [ { "type": "directional", "direction": [-1, -2, -1] }, { "type": "point", "position": [0, 3, 2], "intensity": 8 } ],
+  "ambient": 0.1, "shadows": true }
+END
+}
+
+# make_guides STYLUT OPTION...: of a scene in the light, light paths, motion, and what isn't traced.
+make_guides() {
+  local stylut=$1
+  shift
+  write_scene now.json 0 0.4
+  write_scene before.json 0.05 0
+  "$stylut" guide scene now.json -s 97x80 -c all -q "$@" -o lit.exr || return 1
+  "$stylut" guide scene now.json -s 97x80 -c motion --previous before.json -q "$@" -o moved.exr || return 1
+  "$stylut" guide scene now.json -s 64x50 -c paths --spp 4 --seed 7 -q "$@" -o paths.exr || return 1
+  "$stylut" guide scene before.json -s 97x80 -q "$@" -o before.png || return 1
+  "$stylut" guide scene now.json -s 97x80 -q "$@" -o now.png || return 1
+  "$stylut" guide flow now.png before.png -q "$@" -o flow.exr || return 1
+  "$stylut" guide strokes now.png --levels all -q "$@" -o strokes.exr || return 1
+  "$stylut" guide warp art/warp.json -s 150x171 -q "$@" -o warp.exr || return 1
+  "$stylut" guide import flat.png --as png --flip-y -q "$@" -o imported.exr || return 1
+}
+
 # make_everything STYLUT FOLDER [OPTION...]: one of each kind of output. The names
 # inside are the same everywhere, since files tell how they were made.
 make_everything() {
@@ -13,6 +49,7 @@ make_everything() {
   "$stylut" guide scene art/creature.ply -s 203x170 -c all --view three-quarter -q "$@" -o frame.exr || return 1
   "$stylut" guide scene art/creature.ply -s 90 -c all --view -50,10 --camera perspective --crease 40 -q "$@" -o other.exr || return 1
   "$stylut" guide scene art/creature.ply -s 90 --bits 16 --flat -q "$@" -o flat.png || return 1
+  make_guides "$stylut" "$@" || return 1
   "$stylut" guide sphere -s 60 -q "$@" -o sphere.exr || return 1
   for engine in brute analytic flann-single auto; do
     "$stylut" lut sphere.exr -s 70 -e $engine -q "$@" -o sphere.$engine.exr || return 1
@@ -34,17 +71,27 @@ make_everything() {
 same_folders() {
   diff -rq "$1" "$2" >different.txt || complain "$1 and $2: $(tr '\n' ' ' <different.txt)"
   expect "files of $2" "$(find "$2" -type f | wc -l)" "$(find "$1" -type f | wc -l)"
-  expect 'files compared' "$(find "$2" -type f | wc -l)" 25
+  expect 'files compared' "$(find "$2" -type f | wc -l)" 37
 }
 
 setup_file() { (make_everything "$STYLUT" "$BATS_FILE_TMPDIR/one" -j 1); }
 
-@test "two and three threads give what one gives" {
+@test "two and four threads give what one gives" {
   (make_everything "$STYLUT" two -j 2) 3>&- &
-  (make_everything "$STYLUT" three -j 3)
+  (make_everything "$STYLUT" four -j 4)
   wait
   same_folders "$BATS_FILE_TMPDIR/one" two
-  same_folders "$BATS_FILE_TMPDIR/one" three
+  same_folders "$BATS_FILE_TMPDIR/one" four
+}
+
+@test "what is compared isn't empty: light, shadow, texture, motion" {
+  local one=$BATS_FILE_TMPDIR/one channel
+  for channel in luma.Y albedo.G curvature.Y contour.Y uv.U style.I; do
+    expect_less "pixels with $channel" 500 "$(dump "$one/lit.exr" $channel count)"
+  done
+  expect_less 'pixels that moved' 2000 "$(dump "$one/moved.exr" motion.V count)"
+  expect_less 'pixels with bounced light' 500 "$(dump "$one/paths.exr" LIE.R count)"
+  expect_less 'pixels that flow' 500 "$(dump "$one/flow.exr" motion.U count)"
 }
 
 @test "a second run, a second later, gives the same" {

@@ -1,18 +1,26 @@
 #!/usr/bin/env bash
 # Every file of Debian's assimp-testmodels, broken ones too: rendered, refused with one line and
 # code 3, or a format that isn't taken. Prints the tally; fails on anything else, such as a
-# crash, more than one line, or more than 20 seconds. Usage: models.sh STYLUT
+# crash, more than one line, more than 20 seconds, or a process with more than 2 GiB.
+# Usage: models.sh STYLUT
 set -uo pipefail
 stylut=$1
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+most_memory=$((2 << 20)) # KiB
+largest=0 largest_model=
 declare -A tally=([rendered]=0 [refused]=0 [untaken]=0 [bad]=0)
 
 while read -r model; do
   [ -f "$model" ] || continue
-  timeout 21 "$stylut" guide scene "$model" -c normal,albedo -s 64 -q -o "$scratch/guide.exr" 2>"$scratch/error"
+  /usr/bin/time -q -f %M -o "$scratch/memory" timeout 21 "$stylut" guide scene "$model" -c normal,albedo -s 64 -q -o "$scratch/guide.exr" 2>"$scratch/error"
   code=$?
-  if [ $code -eq 0 ]; then
+  memory=$(tail -n 1 "$scratch/memory") # the most that stylut, or the process that imports, held
+  if [ "$memory" -gt "$largest" ]; then largest=$memory largest_model=${model##*/}; fi
+  if [ "$memory" -gt $most_memory ]; then
+    outcome=bad
+    printf 'models: %s: found %d KiB of memory, expected at most %d\n' "$model" "$memory" $most_memory >&2
+  elif [ $code -eq 0 ]; then
     outcome=rendered
   elif [ $code -eq 3 ] && [ "$(wc -l <"$scratch/error")" -eq 1 ]; then
     if grep -q 'found the file ending' "$scratch/error"; then outcome=untaken; else outcome=refused; fi
@@ -25,4 +33,5 @@ while read -r model; do
 done < <(dpkg -L assimp-testmodels)
 printf 'assimp-testmodels: %d rendered, %d refused with a line, %d of formats that are not taken, %d otherwise\n' \
   "${tally[rendered]}" "${tally[refused]}" "${tally[untaken]}" "${tally[bad]}"
+printf 'the most memory: %d MiB, for %s\n' $((largest >> 10)) "$largest_model"
 [ "${tally[bad]}" -eq 0 ]
