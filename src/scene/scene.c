@@ -313,19 +313,6 @@ StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error) {
   return status;
 }
 
-StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error) {
-  if (scene->object_count != other->object_count || scene->sphere_count != other->sphere_count)
-    return sty_fail(error, STY_ERROR_INPUT, "found %d objects and %d spheres, expected %d and %d", other->object_count,
-                    other->sphere_count, scene->object_count, scene->sphere_count);
-  for (int o = 0; o < scene->object_count; o++) {
-    const size_t here = scene->meshes[scene->objects[o].mesh]->triangle_count;
-    const size_t there = other->meshes[other->objects[o].mesh]->triangle_count;
-    if (here != there)
-      return sty_fail(error, STY_ERROR_INPUT, "found an object %d of %zu triangles, expected %zu", o + 1, there, here);
-  }
-  return STY_OK;
-}
-
 size_t sty_count_scene_triangles(const StyScene *scene) {
   size_t count = 0;
   for (int o = 0; o < scene->object_count; o++) count += scene->meshes[scene->objects[o].mesh]->triangle_count;

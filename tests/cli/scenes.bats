@@ -216,3 +216,17 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   accept guide scene cube.obj -s 16 -o cube.exr --no-history
   expect_same most.exr cube.exr
 }
+
+@test "--previous: a scene of other things" {
+  write_cube >cube.obj
+  (sed '/^f/d' cube.obj; grep '^f' cube.obj | sort -r) >other.obj
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >less.obj
+  write_cube 2 >moved.obj
+  accept guide scene cube.obj --previous moved.obj -s 8 -c motion -o out.exr
+  refuse 3 '--previous other.obj: object 1: found that triangle' guide scene cube.obj --previous other.obj -s 8 -o none.exr
+  refuse 3 '--previous other.obj: object 1: found that triangle' guide scene cube.obj --previous other.obj -s 8 -o none.exr --dry-run
+  refuse 3 '--previous less.obj: object 1: found 1 triangle, expected 12' guide scene cube.obj --previous less.obj -s 8 -o none.exr
+  write_scene '"spheres": [ {} ]' ball.json
+  refuse 3 '--previous ball.json: found 0 objects and 1 sphere, expected 1 object and 0 spheres' \
+    guide scene cube.obj --previous ball.json -s 8 -o none.exr
+}
