@@ -92,7 +92,7 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   local size
   write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ $(place_cube 1 0) ]" one.json
   render one
-  for size in 1e-30 1e-12 1e12 5e29; do
+  for size in 1e-30 1e-12 1e12 1e30; do
     write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ $(place_cube $size 0) ]" sized.json
     render sized $size
     expect_alike "a cube times $size" one.txt sized.txt
@@ -101,8 +101,14 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
     render sized $size
     expect_alike "a cube of size $size" one.txt sized.txt
   done
-  write_cube 2e30 >large.obj
+  write_cube 1.001e30 >large.obj
   refuse 3 'large.obj' guide scene large.obj -s 8 -o out.exr
+  write_cube >cube.obj
+  local place='"center": [1e30, 0, 0]'
+  write_scene "\"objects\": [ $(place_cube 1e30 0) ], \"spheres\": [ { $place } ]"
+  accept guide scene scene.json -s 8 -o out.exr
+  write_scene "\"spheres\": [ { ${place/1e30/1.001e30} } ]"
+  refuse 3 'spheres[0].center[0]: found 1.001e+30, expected a number from -1e+30 to 1e+30' guide scene scene.json -s 8 -o none.exr
 }
 
 @test "a hundred million units from the origin: objects, lights and cameras" {
