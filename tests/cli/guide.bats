@@ -447,5 +447,5 @@ END
   refuse 3 'short.json' guide scene short.json -s 8 -o out.exr
   refuse 3 'key.json' info key.json
   printf '{"schema": "stylut-scene/1", "objects": []}' >empty.json
-  refuse 3 'empty.json: scene: found nothing in it' guide scene empty.json -s 8 -o out.exr
+  refuse 3 'empty.json: found nothing in it' guide scene empty.json -s 8 -o out.exr
 }
