@@ -5,6 +5,7 @@
 #include "stylut/status.h"
 
 StyStatus run_guide(int argc, char **argv);
+StyStatus run_guide_sphere(int argc, char **argv);
 StyStatus run_guide_scene(int argc, char **argv);
 StyStatus run_guide_import(int argc, char **argv);
 StyStatus run_guide_strokes(int argc, char **argv);

@@ -67,30 +67,13 @@ static StyStatus parse_count(Options *options, const char *what, const char *tex
   return status;
 }
 
-static StyStatus set_option(Arguments *arguments, int key, const char *text) {
-  static const char *const depths[] = {"8", "16", NULL};
-  Options *options = &arguments->options;
-  StyFlowOptions *flow = &arguments->flow;
-  int choice = 0;
-  StyStatus status;
-  switch (key) {
-    case KEY_METHOD:
-      status = sty_parse_choice("--method", text, methods, &choice, &options->error);
-      flow->method = choice ? STY_FLOW_PUBLISHED : STY_FLOW_COARSE_TO_FINE;
-      return status;
-    case KEY_BITS:
-      status = sty_parse_choice("--bits", text, depths, &choice, &options->error);
-      arguments->bits = choice ? 16 : 8;
-      return status;
-    case KEY_LEVELS: return parse_count(options, "--levels", text, STY_FLOW_MOST_LEVELS, &flow->levels);
-    case KEY_RADIUS: return parse_count(options, "--radius", text, STY_FLOW_MOST_RADIUS, &flow->radius);
-    case KEY_THRESHOLD: return sty_parse_number("--threshold", text, 0, 1e6, &flow->threshold, &options->error);
-    case KEY_TOLERANCE: return sty_parse_number("--tolerance", text, 0, 1e6, &flow->tolerance, &options->error);
-    case KEY_DISPLAY: return sty_parse_number("--display", text, 1e-3, 1e6, &arguments->display, &options->error);
-    case KEY_MOTION: arguments->files[TRUTH] = text; return STY_OK;
-    case KEY_CONSISTENCY: flow->consistency = true; return STY_OK;
-    default: flow->channels = text; return STY_OK;
-  }
+static error_t set_number(Arguments *arguments, int key, const char *text) {
+  const NumberOption numbers[] = {
+      {KEY_THRESHOLD, "--threshold", 0, 1e6, &arguments->flow.threshold},
+      {KEY_TOLERANCE, "--tolerance", 0, 1e6, &arguments->flow.tolerance},
+      {KEY_DISPLAY, "--display", 1e-3, 1e6, &arguments->display},
+  };
+  return parse_number_option(&arguments->options, numbers, sizeof numbers / sizeof *numbers, key, text);
 }
 
 static StyStatus check_arguments(Arguments *arguments) {
@@ -101,30 +84,38 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, arguments->files, 3);
   if (!status) status = sty_get_image_format(options->output, &arguments->format, &options->error);
-  return status;
+  const bool is_png = arguments->format == STY_IMAGE_PNG;
+  const OptionNeed needs[] = {{"display", is_png, "an output that ends in .png"},
+                              {"bits", is_png, "an output that ends in .png"}};
+  return status ? status : check_needs(options, needs, 2);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
+  Options *options = &arguments->options;
+  StyFlowOptions *flow = &arguments->flow;
+  StyStatus status = STY_OK;
+  int choice = 0;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG:
-      return end_option(
-          take_argument(&arguments->options, &arguments->files[arguments->files[FRAME] ? PREVIOUS : FRAME], text));
-    case ARGP_KEY_END: return end_option(check_arguments(arguments));
-    case 'c':
+      status = take_argument(options, &arguments->files[arguments->files[FRAME] ? PREVIOUS : FRAME], text);
+      break;
+    case ARGP_KEY_END: status = check_arguments(arguments); break;
+    case 'c': flow->channels = text; break;
     case KEY_METHOD:
-    case KEY_MOTION:
-    case KEY_LEVELS:
-    case KEY_RADIUS:
-    case KEY_THRESHOLD:
-    case KEY_TOLERANCE:
-    case KEY_CONSISTENCY:
-    case KEY_DISPLAY:
-    case KEY_BITS: return end_option(set_option(arguments, key, text));
-    default: return ARGP_ERR_UNKNOWN;
+      status = sty_parse_choice("--method", text, methods, &choice, &options->error);
+      flow->method = choice ? STY_FLOW_PUBLISHED : STY_FLOW_COARSE_TO_FINE;
+      break;
+    case KEY_MOTION: arguments->files[TRUTH] = text; break;
+    case KEY_CONSISTENCY: flow->consistency = true; break;
+    case KEY_LEVELS: status = parse_count(options, "--levels", text, STY_FLOW_MOST_LEVELS, &flow->levels); break;
+    case KEY_RADIUS: status = parse_count(options, "--radius", text, STY_FLOW_MOST_RADIUS, &flow->radius); break;
+    case KEY_BITS: status = parse_bits(options, text, &arguments->bits); break;
+    default: return set_number(arguments, key, text);
   }
+  return end_option(status);
 }
 
 static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
@@ -174,7 +165,7 @@ static StyStatus write_flow(Arguments *arguments, StyImage *flow, Account *accou
 
 static StyStatus estimate(Arguments *arguments, StyImage *const images[3], StyImage **flow, Account *account,
                           StyError *error) {
-  const char *const names[2] = {arguments->options.output, arguments->files[TRUTH]};
+  const char *const names[2] = {arguments->files[FRAME], arguments->files[TRUTH]};
   const double start = sty_get_milliseconds();
   const StyRun job = begin_progress(&arguments->options, "searching");
   StyStatus status = sty_estimate_flow(arguments->files, images[FRAME], images[PREVIOUS], &arguments->flow, &job,

@@ -13,7 +13,6 @@
 typedef struct Arguments {
   Options options;
   const char *file, *camera;
-  bool has_program;
   StyForeignOptions foreign;
   StyStand stand;
   int bits;
@@ -35,54 +34,42 @@ static const struct argp_option options_table[] = {
     {0},
 };
 
-static StyStatus set_option(Arguments *arguments, int key, const char *text) {
-  static const char *const spaces[] = {"view", "world", NULL}, *const depths[] = {"8", "16", NULL};
-  StyError *error = &arguments->options.error;
-  int choice = 0;
-  StyStatus status = STY_OK;
-  switch (key) {
-    case KEY_AS:
-      arguments->has_program = true;
-      return sty_parse_choice("--as", text, sty_guide_programs, &arguments->foreign.program, error);
-    case KEY_CAMERA: arguments->camera = text; return STY_OK;
-    case KEY_SPACE:
-      status = sty_parse_choice("--space", text, spaces, &choice, error);
-      arguments->foreign.space = choice ? STY_SPACE_WORLD : STY_SPACE_VIEW;
-      return status;
-    case KEY_BITS:
-      status = sty_parse_choice("--bits", text, depths, &choice, error);
-      arguments->bits = choice ? 16 : 8;
-      return status;
-    default: arguments->foreign.flip_y = true; return STY_OK;
-  }
-}
-
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
   const char *const inputs[] = {arguments->file, arguments->camera};
   StyStatus status = require_argument(options, arguments->file, "the file to import");
-  if (!status && !arguments->has_program)
+  if (!status && !is_given(options, "as"))
     status = sty_fail(&options->error, STY_ERROR_USAGE,
                       "option '--as': found none, expected blender, arnold, pbrt, houdini, unity or png");
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, inputs, 2);
-  return status ? status : sty_get_image_format(options->output, &arguments->format, &options->error);
+  if (!status) status = sty_get_image_format(options->output, &arguments->format, &options->error);
+  const OptionNeed needs[] = {{"bits", arguments->format == STY_IMAGE_PNG, "an output that ends in .png"}};
+  return status ? status : check_needs(options, needs, 1);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
+  static const char *const spaces[] = {"view", "world", NULL};
   Arguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  StyStatus status = STY_OK;
+  int choice = 0;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: return end_option(take_argument(&arguments->options, &arguments->file, text));
-    case ARGP_KEY_END: return end_option(check_arguments(arguments));
-    case KEY_AS:
-    case KEY_CAMERA:
-    case KEY_FLIP_Y:
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->file, text); break;
+    case ARGP_KEY_END: status = check_arguments(arguments); break;
+    case KEY_AS: status = sty_parse_choice("--as", text, sty_guide_programs, &arguments->foreign.program, error); break;
+    case KEY_CAMERA: arguments->camera = text; break;
+    case KEY_FLIP_Y: arguments->foreign.flip_y = true; break;
     case KEY_SPACE:
-    case KEY_BITS: return end_option(set_option(arguments, key, text));
+      status = sty_parse_choice("--space", text, spaces, &choice, error);
+      arguments->foreign.space = choice ? STY_SPACE_WORLD : STY_SPACE_VIEW;
+      break;
+    case KEY_BITS: status = parse_bits(&arguments->options, text, &arguments->bits); break;
     default: return ARGP_ERR_UNKNOWN;
   }
+  return end_option(status);
 }
 
 static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};

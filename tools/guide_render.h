@@ -4,6 +4,7 @@
 
 #include "options.h"
 #include "stylut/guide.h"
+#include "stylut/image_io.h"
 #include "stylut/simplify.h"
 
 /* Channels that look at textures. */
@@ -11,26 +12,30 @@ enum { COLOURED = STY_GUIDE_ALBEDO | STY_GUIDE_LUMA | STY_GUIDE_PATHS };
 
 typedef struct GuideArguments {
   Options options;
-  const char *kind, *mesh;
+  const char *mesh; /* or a scene file; NULL: the sphere */
   int width, height;
+  const char *channels; /* as they were asked for; NULL: they weren't */
   unsigned groups;
   int bits;
+  StyImageFormat format;
   StyView view;
+  int camera, up;      /* of the view: indices of cameras, and of sty_up_axis_names */
   double crease_angle; /* of StyMeshOptions */
   bool flat;
   int frame;  /* index of frames */
   int filter; /* index of filters */
   StyPathOptions paths;
-  const char *paths_only; /* an option that means nothing without light paths */
   StyContourWeights contour;
-  const char *contour_only; /* an option that means nothing without the channel contour */
   const char *previous;
   bool repair, simplify;
   StySimplifyOptions simplify_options;
-  bool has_max_error;
-  const char *scene_only;  /* an option that means nothing for a sphere */
-  const char *camera_only; /* one that means nothing where a scene file has the camera */
 } GuideArguments;
+
+extern const GuideArguments default_guide_arguments;
+
+/* --size --channels --bits, for GuideArguments only; and what is to be said of those and the output. */
+extern const struct argp picture_argp;
+StyStatus check_picture(GuideArguments *arguments);
 
 /* Renders into the output, band by band, and reports. */
 StyStatus render_guide(GuideArguments *arguments);

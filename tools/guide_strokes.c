@@ -14,7 +14,6 @@ typedef struct Arguments {
   const char *picture;
   StyStrokeOptions strokes;
   bool all_levels;
-  bool level_given, levels_given;
 } Arguments;
 
 enum { KEY_LEVEL = 0x200, KEY_LEVELS, KEY_UPSAMPLE, KEY_SPACE, KEY_LAYER, KEY_THRESHOLD };
@@ -58,7 +57,6 @@ static StyStatus parse_groups(Arguments *arguments, const char *text) {
 static StyStatus parse_level(Arguments *arguments, int key, const char *text) {
   const bool several = key == KEY_LEVELS;
   long long number = 0;
-  *(several ? &arguments->levels_given : &arguments->level_given) = true;
   arguments->strokes.numbered = several;
   arguments->all_levels = several && strcmp(text, "all") == 0;
   if (arguments->all_levels) return STY_OK;
@@ -71,31 +69,10 @@ static StyStatus parse_level(Arguments *arguments, int key, const char *text) {
   return STY_OK;
 }
 
-static StyStatus set_option(Arguments *arguments, int key, const char *text) {
-  static const char *const samplings[] = {"nearest", "linear", NULL}, *const spaces[] = {"linear", "srgb", NULL};
-  StyError *error = &arguments->options.error;
-  int choice = 0;
-  StyStatus status = STY_OK;
-  switch (key) {
-    case 'c': return parse_groups(arguments, text);
-    case KEY_UPSAMPLE:
-      status = sty_parse_choice("--upsample", text, samplings, &choice, error);
-      arguments->strokes.smooth = choice == 1;
-      return status;
-    case KEY_SPACE:
-      status = sty_parse_choice("--space", text, spaces, &choice, error);
-      arguments->strokes.srgb = choice == 1;
-      return status;
-    case KEY_THRESHOLD: return sty_parse_number("--threshold", text, 0, 1, &arguments->strokes.threshold, error);
-    case KEY_LAYER: arguments->strokes.layer = text; return STY_OK;
-    default: return parse_level(arguments, key, text);
-  }
-}
-
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
   StyStatus status = require_argument(options, arguments->picture, "a picture");
-  if (!status && arguments->level_given && arguments->levels_given)
+  if (!status && is_given(options, "level") && is_given(options, "levels"))
     status = sty_fail(&options->error, STY_ERROR_USAGE, "--level: found with --levels, expected one of them");
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, &arguments->picture, 1);
@@ -103,21 +80,34 @@ static StyStatus check_arguments(Arguments *arguments) {
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
+  static const char *const samplings[] = {"nearest", "linear", NULL}, *const spaces[] = {"linear", "srgb", NULL};
   Arguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  StyStatus status = STY_OK;
+  int choice = 0;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: return end_option(take_argument(&arguments->options, &arguments->picture, text));
-    case ARGP_KEY_END: return end_option(check_arguments(arguments));
-    case 'c':
+    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->picture, text); break;
+    case ARGP_KEY_END: status = check_arguments(arguments); break;
+    case 'c': status = parse_groups(arguments, text); break;
     case KEY_LEVEL:
-    case KEY_LEVELS:
+    case KEY_LEVELS: status = parse_level(arguments, key, text); break;
     case KEY_UPSAMPLE:
+      status = sty_parse_choice("--upsample", text, samplings, &choice, error);
+      arguments->strokes.smooth = choice == 1;
+      break;
     case KEY_SPACE:
-    case KEY_LAYER:
-    case KEY_THRESHOLD: return end_option(set_option(arguments, key, text));
+      status = sty_parse_choice("--space", text, spaces, &choice, error);
+      arguments->strokes.srgb = choice == 1;
+      break;
+    case KEY_LAYER: arguments->strokes.layer = text; break;
+    case KEY_THRESHOLD:
+      status = sty_parse_number("--threshold", text, 0, 1, &arguments->strokes.threshold, error);
+      break;
     default: return ARGP_ERR_UNKNOWN;
   }
+  return end_option(status);
 }
 
 static const struct argp_child children[] = {{&output_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
@@ -160,22 +150,34 @@ static json_t *pack_levels(const StyStrokeFigures *figures) {
   return levels;
 }
 
+/* "level 2", or "levels 0 to 3" */
+static const char *format_levels(const StyStrokeOptions *strokes, char out[32]) {
+  if (strokes->count == 1)
+    snprintf(out, 32, "level %d", strokes->first);
+  else
+    snprintf(out, 32, "levels %d to %d", strokes->first, strokes->first + strokes->count - 1);
+  return out;
+}
+
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   static const char *const stages[] = {"read", "measure", "write"};
   const Options *options = &arguments->options;
   const StyStrokeFigures *figures = &account->figures;
+  char levels[32];
   if (!figures->levels[0].covered)
     warn(options, "%s: found no covered pixel, expected a picture that shows something",
          clean_text(arguments->picture));
   if (options->json)
-    return print_json(json_pack("{s:s, s:[ii], s:s, s:f, s:o, s:o, s:f}", "schema", "stylut-guide-strokes/1", "size",
-                                account->width, account->height, "space", arguments->strokes.srgb ? "srgb" : "linear",
-                                "threshold", arguments->strokes.threshold, "levels", pack_levels(figures), "time_ms",
-                                pack_times(stages, account->times, STAGES), "peak_bytes", get_peak_bytes()),
-                      error);
+    return print_json(
+        json_pack("{s:s, s:[ii], s:s, s:f, s:{s:i, s:i}, s:o, s:o, s:f}", "schema", "stylut-guide-strokes/1", "size",
+                  account->width, account->height, "space", arguments->strokes.srgb ? "srgb" : "linear", "threshold",
+                  arguments->strokes.threshold, "written", "first", arguments->strokes.first, "last",
+                  arguments->strokes.first + arguments->strokes.count - 1, "levels", pack_levels(figures), "time_ms",
+                  pack_times(stages, account->times, STAGES), "peak_bytes", get_peak_bytes()),
+        error);
   if (options->quiet) return STY_OK;
-  printf("%s: %dx%d, %s\n", clean_text(options->output), account->width, account->height,
-         arguments->strokes.srgb ? "sRGB values" : "scene-linear values");
+  printf("%s: %dx%d, %s of %s\n", clean_text(options->output), account->width, account->height,
+         format_levels(&arguments->strokes, levels), arguments->strokes.srgb ? "sRGB values" : "scene-linear values");
   printf("level  size         covered  no orientation  detail p50     p90     p99     max\n");
   for (int m = 0; m < figures->count; m++) {
     const StyStrokeLevel *level = &figures->levels[m];

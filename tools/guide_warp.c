@@ -28,9 +28,6 @@ static const struct argp_option options_table[] = {
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
   StyStatus status = require_argument(options, arguments->file, "a file of point pairs");
-  if (!status && (long long)arguments->width * arguments->height > STY_MAX_PIXELS)
-    status = sty_fail(&options->error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels",
-                      arguments->width, arguments->height, STY_MAX_PIXELS);
   if (!status) status = require_output(options);
   if (!status) status = protect_inputs(options, options->output, &arguments->file, 1);
   return status ? status : require_exr(options);
@@ -45,9 +42,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->file, text); break;
     case ARGP_KEY_END: status = check_arguments(arguments); break;
-    case 's':
-      status = sty_parse_size("--size", text, STY_MAX_SIDE, &arguments->width, &arguments->height, error);
-      break;
+    case 's': status = parse_picture_size(&arguments->options, text, &arguments->width, &arguments->height); break;
     case KEY_KIND: status = sty_parse_choice("--kind", text, sty_warp_kinds, &arguments->kind, error); break;
     case KEY_ALPHA:
       status = sty_parse_number("--alpha", text, STY_MIN_WARP_ALPHA, STY_MAX_WARP_ALPHA, &arguments->alpha, error);
@@ -92,16 +87,25 @@ static json_t *make_report(const Arguments *arguments, const Account *account) {
   const StyWarpFigures *f = &account->figures;
   const double pixels = (double)arguments->width * arguments->height;
   return json_pack(
-      "{s:s, s:[ii], s:s, s:f, s:i, s:f, s:{s:i, s:f, s:f}, s:{s:f, s:[ii]}, s:{s:f, s:[ii]}, s:f, s:o, s:f}", "schema",
-      "stylut-guide-warp/1", "size", arguments->width, arguments->height, "kind", sty_warp_kinds[account->pairs.kind],
-      "alpha", account->pairs.alpha, "pairs", account->pairs.count, "inside", (double)f->inside / pixels, "residual",
-      "pairs", f->measured, "mean", f->residual_mean, "max", f->residual_max, "stretch", "max", f->stretch, "pixel",
-      f->stretch_at[0], f->stretch_at[1], "compression", "max", f->compression, "pixel", f->compression_at[0],
-      f->compression_at[1], "folded", get_share(f->folded, f->cells), "time_ms",
-      pack_times(stages, account->times, STAGES), "peak_bytes", get_peak_bytes());
+      "{s:s, s:[ii], s:s, s:f, s:i, s:i, s:f, s:{s:i, s:f, s:f}, s:{s:f, s:[ii]}, s:{s:f, s:[ii]}, s:f, s:o, s:f}",
+      "schema", "stylut-guide-warp/1", "size", arguments->width, arguments->height, "kind",
+      sty_warp_kinds[account->pairs.kind], "alpha", account->pairs.alpha, "pairs", account->pairs.count, "outside",
+      f->outside, "inside", (double)f->inside / pixels, "residual", "pairs", f->measured, "mean", f->residual_mean,
+      "max", f->residual_max, "stretch", "max", f->stretch, "pixel", f->stretch_at[0], f->stretch_at[1], "compression",
+      "max", f->compression, "pixel", f->compression_at[0], f->compression_at[1], "folded",
+      get_share(f->folded, f->cells), "time_ms", pack_times(stages, account->times, STAGES), "peak_bytes",
+      get_peak_bytes());
 }
 
-static void warn_of_figures(const Arguments *arguments, const StyWarpFigures *figures) {
+static void warn_of_figures(const Arguments *arguments, const StyPairs *pairs, const StyWarpFigures *figures) {
+  const StyPair *first = &pairs->pairs[figures->first_outside];
+  if (figures->outside)
+    warn(
+        &arguments->options,
+        "%s: found %d of %d pairs outside the picture, the first pairs[%d] from (%g, %g) to (%g, %g), expected them in "
+        "%dx%d pixels, or normalized",
+        clean_text(arguments->file), figures->outside, pairs->count, figures->first_outside, first->from[0],
+        first->from[1], first->to[0], first->to[1], arguments->width, arguments->height);
   if (!figures->inside)
     warn(&arguments->options, "%s: found that no pixel comes from inside the picture, expected pairs in %s",
          clean_text(arguments->file), "pixels of --size, or normalized");
@@ -121,7 +125,7 @@ static void print_extreme(const char *name, double value, const int at[2]) {
 static StyStatus print_report(const Arguments *arguments, const Account *account, StyError *error) {
   const StyWarpFigures *f = &account->figures;
   const double pixels = (double)arguments->width * arguments->height;
-  warn_of_figures(arguments, f);
+  warn_of_figures(arguments, &account->pairs, f);
   if (arguments->options.json) return print_json(make_report(arguments, account), error);
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d, %s, %d pair%s, alpha %g; %.1f %% come from inside the picture\n",

@@ -1,10 +1,11 @@
-/* stylut info FILE: what a picture, table, scene or bundle holds. */
+/* stylut info FILE: what a picture, table, mesh or bundle holds. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
 #include "commands.h"
+#include "info_scene.h"
 #include "meshes.h"
 #include "options.h"
 #include "stylut/image_io.h"
@@ -24,8 +25,8 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->file, text); break;
     case ARGP_KEY_END:
-      status =
-          require_argument(&arguments->options, arguments->file, "a picture, a table, a mesh, a scene or a bundle");
+      status = require_argument(&arguments->options, arguments->file,
+                                "a picture, a table, a mesh, a scene, point pairs or a bundle");
       break;
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -37,8 +38,10 @@ static const struct argp parser = {
     .parser = parse_option,
     .args_doc = "FILE",
     .doc =
-        "Says what a picture, guide, table, mesh, scene file or bundle holds: size, channels with their ranges, how it "
-        "was made; of a mesh what of it is broken, which 'guide scene --repair' puts right.",
+        "Says what a picture, guide, table, mesh, scene file, file of point pairs or bundle holds: size, channels with "
+        "their ranges, how it was made; of a scene its camera, lights, objects, spheres and textures; of a mesh what "
+        "of "
+        "it is broken, which 'guide scene --repair' puts right.",
     .children = children,
 };
 
@@ -140,63 +143,6 @@ static StyStatus show_bundle(const Arguments *arguments, StyError *error) {
   return status;
 }
 
-/* ---- scenes ---- */
-
-static json_t *pack_vector(const double v[3]) { return json_pack("[fff]", v[0], v[1], v[2]); }
-
-static json_t *describe_scene(const StyScene *scene) {
-  json_t *objects = json_array(), *spheres = json_array();
-  for (int o = 0; o < scene->object_count; o++) {
-    const StyObject *object = &scene->objects[o];
-    json_array_append_new(
-        objects, json_pack("{s:i, s:I, s:i, s:i, s:i}", "mesh", object->mesh + 1, "triangles",
-                           (json_int_t)scene->meshes[object->mesh]->triangle_count, "style", object->style, "first_id",
-                           object->first_id, "parts", scene->meshes[object->mesh]->part_count));
-  }
-  for (int s = 0; s < scene->sphere_count; s++)
-    json_array_append_new(
-        spheres, json_pack("{s:o, s:f, s:i, s:i}", "center", pack_vector(scene->spheres[s].centre), "radius",
-                           scene->spheres[s].radius, "style", scene->spheres[s].style, "id", scene->spheres[s].id));
-  return json_pack("{s:s, s:s, s:i, s:I, s:o, s:o, s:o, s:o}", "schema", "stylut-info/1", "kind", "scene", "meshes",
-                   scene->mesh_count, "triangles", (json_int_t)sty_count_scene_triangles(scene), "minimum",
-                   pack_vector(scene->minimum), "maximum", pack_vector(scene->maximum), "objects", objects, "spheres",
-                   spheres);
-}
-
-static void print_scene(const char *path, const StyScene *scene, const StyViewpoint *viewpoint) {
-  printf("%s: scene of %d object(s) from %d mesh(es), %zu triangles, and %d sphere(s)\n", clean_text(path),
-         scene->object_count, scene->mesh_count, sty_count_scene_triangles(scene), scene->sphere_count);
-  printf("  from (%g, %g, %g) to (%g, %g, %g); camera %s, %s\n", scene->minimum[0], scene->minimum[1],
-         scene->minimum[2], scene->maximum[0], scene->maximum[1], scene->maximum[2],
-         viewpoint->is_fit ? "fitted" : "placed",
-         (viewpoint->is_fit ? viewpoint->view.perspective : viewpoint->stand.perspective) ? "perspective"
-                                                                                          : "orthographic");
-  for (int o = 0; o < scene->object_count; o++) {
-    const StyObject *object = &scene->objects[o];
-    const StyMesh *mesh = scene->meshes[object->mesh];
-    printf("  object %d: mesh %d, %zu triangles, style %d, object.I %d", o + 1, object->mesh + 1, mesh->triangle_count,
-           object->style, object->first_id);
-    if (mesh->part_count > 1) printf(" to %d", object->first_id + mesh->part_count - 1);
-    putchar('\n');
-  }
-  for (int s = 0; s < scene->sphere_count; s++)
-    printf("  sphere %d: radius %g, style %d, object.I %d\n", s + 1, scene->spheres[s].radius, scene->spheres[s].style,
-           scene->spheres[s].id);
-}
-
-static StyStatus show_scene(const Arguments *arguments, StyError *error) {
-  StyScene *scene = NULL;
-  StyViewpoint viewpoint;
-  StyStatus status = sty_read_scene(arguments->file, NULL, &scene, &viewpoint, error);
-  if (status) return status;
-  if (arguments->options.json)
-    status = print_json(describe_scene(scene), error);
-  else
-    print_scene(arguments->file, scene, &viewpoint);
-  sty_destroy_scene(&scene);
-  return status;
-}
-
 /* ---- meshes ---- */
 
 static StyStatus show_mesh(const Arguments *arguments, StyError *error) {
@@ -226,7 +172,7 @@ StyStatus run_info(int argc, char **argv) {
   if (!status && !arguments.options.helped) {
     const bool is_folder = stat(arguments.file, &info) == 0 && S_ISDIR(info.st_mode);
     status = is_folder                           ? show_bundle(&arguments, error)
-             : sty_is_scene_file(arguments.file) ? show_scene(&arguments, error)
+             : sty_is_scene_file(arguments.file) ? show_document(&arguments.options, arguments.file, error)
              : sty_is_mesh_file(arguments.file)  ? show_mesh(&arguments, error)
                                                  : show_image(&arguments, error);
   }

@@ -107,3 +107,9 @@ void print_simplification(const StySimplification *done, const StySimplifyOption
   printf("  tree %.1f -> %.1f ms, rays %.1f -> %.1f ms, meshes with tree %.1f -> %.1f MiB\n", full->build_ms,
          simple->build_ms, full->trace_ms, simple->trace_ms, get_mib(full), get_mib(simple));
 }
+
+static void warn_of_line(void *context, const char *line) { warn(context, "%s", line); }
+
+void warn_of_scene(const Options *options, const StyScene *scene) {
+  sty_review_scene(scene, warn_of_line, (void *)(uintptr_t)options);
+}

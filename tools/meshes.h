@@ -4,6 +4,7 @@
 
 #include <jansson.h>
 
+#include "options.h"
 #include "stylut/repair.h"
 #include "stylut/simplify.h"
 
@@ -16,5 +17,8 @@ void print_repair(const StyRepair *repair);
 /* The budgets are named where nothing met them. */
 json_t *pack_simplification(const StySimplification *done);
 void print_simplification(const StySimplification *done, const StySimplifyOptions *options);
+
+/* Warns of what is most likely a mistake in a scene: sty_review_scene. */
+void warn_of_scene(const Options *options, const StyScene *scene);
 
 #endif

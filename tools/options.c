@@ -194,6 +194,12 @@ static void record(Options *options, const char *name, const char *value) {
   options->history = grown;
 }
 
+bool is_given(const Options *options, const char *name) {
+  for (int g = 0; g < options->given_count; g++)
+    if (strcmp(options->given[g], name) == 0) return true;
+  return false;
+}
+
 /* The word that getopt gave up at: the one before the next, unless that was done
  * with; then options follow in the same word as the unknown one ("-xyz"). */
 static int find_stop(const Options *options, const struct argp_state *state) {
@@ -221,7 +227,10 @@ void begin_option(int key, const char *argument, const struct argp_state *state)
   const struct argp_option *option = find_option(state->root_argp, key);
   const struct argp_child *groups = state->root_argp->children;
   for (int g = 0; !option && groups && groups[g].argp; g++) option = find_option(groups[g].argp, key);
-  if (option) record(options, option->name, argument);
+  if (!option) return;
+  record(options, option->name, argument);
+  if (!is_given(options, option->name) && options->given_count < MOST_OPTIONS)
+    options->given[options->given_count++] = option->name;
 }
 
 error_t end_option(StyStatus status) { return status ? EINVAL : 0; }
@@ -285,6 +294,44 @@ StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *
   if (!failed || options->error.status) return options->error.status;
   const int stop = options->stopped_at;
   return explain_option(argp, argv[0], stop > 0 && stop < argc ? argv[stop] : "", &options->error);
+}
+
+StyStatus check_needs(Options *options, const OptionNeed *needs, int count) {
+  for (int n = 0; n < count; n++)
+    if (!needs[n].is_met && is_given(options, needs[n].name))
+      return sty_fail(&options->error, STY_ERROR_USAGE, "--%s: found where it changes nothing, expected it with %s",
+                      needs[n].name, needs[n].expected);
+  return STY_OK;
+}
+
+error_t parse_number_option(Options *options, const NumberOption *numbers, int count, int key, const char *text) {
+  for (int n = 0; n < count; n++)
+    if (numbers[n].key == key)
+      return end_option(sty_parse_number(numbers[n].name, text, numbers[n].minimum, numbers[n].maximum, numbers[n].out,
+                                         &options->error));
+  return ARGP_ERR_UNKNOWN;
+}
+
+error_t parse_choice_option(Options *options, const ChoiceOption *choices, int count, int key, const char *text) {
+  for (int c = 0; c < count; c++)
+    if (choices[c].key == key)
+      return end_option(sty_parse_choice(choices[c].name, text, choices[c].words, choices[c].out, &options->error));
+  return ARGP_ERR_UNKNOWN;
+}
+
+StyStatus parse_picture_size(Options *options, const char *text, int *width, int *height) {
+  const StyStatus status = sty_parse_size("--size", text, STY_MAX_SIDE, width, height, &options->error);
+  if (status || (long long)*width * *height <= STY_MAX_PIXELS) return status;
+  return sty_fail(&options->error, STY_ERROR_USAGE, "--size: found %dx%d, expected at most %lld pixels", *width,
+                  *height, STY_MAX_PIXELS);
+}
+
+StyStatus parse_bits(Options *options, const char *text, int *bits) {
+  static const char *const depths[] = {"8", "16", NULL};
+  int choice = 0;
+  const StyStatus status = sty_parse_choice("--bits", text, depths, &choice, &options->error);
+  if (!status) *bits = choice ? 16 : 8;
+  return status;
 }
 
 StyStatus take_argument(Options *options, const char **slot, const char *text) {

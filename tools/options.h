@@ -15,6 +15,8 @@
 /* --trees, --checks and --precision, each for one engine or two. */
 enum { TUNINGS = 3 };
 
+enum { MOST_OPTIONS = 64 }; /* of one command */
+
 /* First member of every command's own arguments. */
 typedef struct Options {
   const char *output;
@@ -32,6 +34,8 @@ typedef struct Options {
   int stopped_at;       /* the word in argv that parsing failed at */
   char **words;         /* argv as it was given: parsing moves options to its front */
   char *history;        /* the options that shape the result, in canonical form */
+  const char *given[MOST_OPTIONS]; /* their names, each once */
+  int given_count;
   StyError error;
 } Options;
 
@@ -52,6 +56,42 @@ error_t end_option(StyStatus status);
 /* Parses a command line into `arguments` (which begin with Options). On failure
  * options.error is filled. */
 StyStatus parse_arguments(const struct argp *argp, int argc, char **argv, void *arguments);
+
+/* Whether one of the options that shape the result was given; its name without dashes. */
+bool is_given(const Options *options, const char *name);
+
+/* An option that changes something only where something else was asked for, too. */
+typedef struct OptionNeed {
+  const char *name; /* without dashes */
+  bool is_met;
+  const char *expected; /* what it takes */
+} OptionNeed;
+
+/* Refuses options that were given though the result would be the same without them. This is the one place for that. */
+StyStatus check_needs(Options *options, const OptionNeed *needs, int count);
+
+/* Options that are a number, or one of some words by its index. */
+typedef struct NumberOption {
+  int key;
+  const char *name; /* for messages */
+  double minimum, maximum;
+  double *out;
+} NumberOption;
+
+typedef struct ChoiceOption {
+  int key;
+  const char *name;
+  const char *const *words; /* NULL-terminated */
+  int *out;
+} ChoiceOption;
+
+/* The parser's result for the option of this key: ARGP_ERR_UNKNOWN where it is none of them. */
+error_t parse_number_option(Options *options, const NumberOption *numbers, int count, int key, const char *text);
+error_t parse_choice_option(Options *options, const ChoiceOption *choices, int count, int key, const char *text);
+
+/* --size, at most STY_MAX_PIXELS; --bits, 8 or 16. */
+StyStatus parse_picture_size(Options *options, const char *text, int *width, int *height);
+StyStatus parse_bits(Options *options, const char *text, int *bits);
 
 /* Puts the command's one argument into *slot; a second one is an error. */
 StyStatus take_argument(Options *options, const char **slot, const char *text);

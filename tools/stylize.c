@@ -59,11 +59,8 @@ static StyStatus check_arguments(Arguments *arguments) {
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
-  static const char *const depths[] = {"8", "16", NULL};
   Arguments *arguments = state->input;
-  StyError *error = &arguments->options.error;
   StyStatus status = STY_OK;
-  int choice = 0;
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
@@ -73,10 +70,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_STYLE: arguments->style = text; break;
     case KEY_NNF: arguments->nnf = text; break;
     case KEY_CHUNKS: arguments->chunks = text; break;
-    case KEY_BITS:
-      status = sty_parse_choice("--bits", text, depths, &choice, error);
-      arguments->bits = choice ? 16 : 8;
-      break;
+    case KEY_BITS: status = parse_bits(&arguments->options, text, &arguments->bits); break;
     default: return ARGP_ERR_UNKNOWN;
   }
   return end_option(status);

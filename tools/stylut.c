@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "machine.h"
+#include "similar.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 #include "stylut/lut.h"
@@ -61,6 +62,20 @@ static StyStatus finish(StyStatus status) {
   return STY_ERROR_FILE;
 }
 
+static StyStatus refuse_command(const char *name) {
+  const char *names[COMMAND_COUNT + 1] = {NULL};
+  char hint[HINT_SIZE];
+  StyError error;
+  for (int i = 0; i < COMMAND_COUNT; i++) names[i] = commands[i].name;
+  if (*name)
+    sty_fail(&error, STY_ERROR_USAGE, "found '%s', expected a command that 'stylut --help' lists%s", name,
+             hint_at(name, names, hint));
+  else
+    sty_fail(&error, STY_ERROR_USAGE, "found no command, expected one that 'stylut --help' lists");
+  fprintf(stderr, "stylut: error: %s\n", error.text);
+  return STY_ERROR_USAGE;
+}
+
 int main(int argc, char **argv) {
   static char help[] = "--help";
   if (argc == 3 && strcmp(argv[1], "help") == 0) {
@@ -78,11 +93,5 @@ int main(int argc, char **argv) {
     argv[1] = program;
     return (int)commands[i].run(argc - 1, argv + 1);
   }
-  StyError error;
-  if (*name)
-    sty_fail(&error, STY_ERROR_USAGE, "found '%s', expected a command that 'stylut --help' lists", name);
-  else
-    sty_fail(&error, STY_ERROR_USAGE, "found no command, expected one that 'stylut --help' lists");
-  fprintf(stderr, "stylut: error: %s\n", error.text);
-  return STY_ERROR_USAGE;
+  return (int)refuse_command(name);
 }

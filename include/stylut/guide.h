@@ -130,7 +130,7 @@ typedef struct StyTraceOptions {
 typedef struct StyTraceTimes {
   double build_ms;   /* acceleration structure */
   double first_ms;   /* from the end of that to the first band of pixels */
-  double trace_ms;   /* rays and shading */
+  double trace_ms;   /* rays and shading, of all bands, without waiting for the sink */
   double tree_bytes; /* most memory that the structure took, over the scene's own */
 } StyTraceTimes;
 
@@ -139,12 +139,18 @@ typedef struct StyTraceEstimate {
   double camera_rays;
   double paths, path_rays; /* for STY_GUIDE_PATHS: ways, and rays of theirs */
   double shadow_rays;
-  double build_bytes; /* of the acceleration structure while it is built, and */
-  double tree_bytes;  /* when it is, as measured per triangle */
-  double band_bytes;  /* of the rows in the making and on their way */
+  double build_bytes;   /* of the acceleration structure while it is built, and */
+  double tree_bytes;    /* when it is, as measured per triangle */
+  double texture_bytes; /* of colours, and */
+  double decode_bytes;  /* while the largest is read */
+  double band_bytes;    /* of the rows in the making and on their way */
+  int channels, rows;   /* of a band */
 } StyTraceEstimate;
 
-StyTraceEstimate sty_estimate_trace(const StyScene *scene, const StyTraceOptions *options);
+/* Reads no more than the headers of the textures that would be looked at. Errors: those of sty_trace_rows, but for its
+ * sink's, and what isn't seen before it is traced. */
+StyStatus sty_estimate_trace(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
+                             StyTraceEstimate *out, StyError *error);
 
 /* Takes the next rows of a guide, from the top: a guide of its own, as high as the rows are, which it may change but
  * does not own. */

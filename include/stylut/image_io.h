@@ -21,6 +21,14 @@ extern "C" {
  * a picture, truncated, absurd size), STY_ERROR_LIBRARY (memory). */
 StyStatus sty_read_image(const char *path, StyImage **out, StyError *error);
 
+typedef struct StyImageShape {
+  int width, height, channels; /* within the limits of image.h */
+} StyImageShape;
+
+/* What a file's header says of the picture in it, of which no pixel is read. Errors: those of sty_read_image that show
+ * in a header. Thread-safe. */
+StyStatus sty_read_image_shape(const char *path, StyImageShape *out, StyError *error);
+
 typedef enum StyImageFormat { STY_IMAGE_EXR, STY_IMAGE_PNG } StyImageFormat;
 
 /* What an output will be, by its name's ending in either case. STY_ERROR_USAGE
@@ -46,6 +54,13 @@ typedef struct StyImageWriter StyImageWriter;
  * height and values don't matter. The caller closes or discards it. Errors: those of sty_write_image. */
 StyStatus sty_open_image_writer(const char *path, const StyImage *like, int height, StyImageWriter **out,
                                 StyError *error);
+
+/* Memory that OpenImageIO takes once it is there, as measured. */
+double sty_get_image_library_bytes(void);
+
+/* Memory that a writer takes beside the rows that it is handed, `rows` at a time, as measured: OpenImageIO itself and
+ * what it holds on the way into the file. */
+double sty_estimate_writer_bytes(int width, int channels, int rows);
 
 /* Appends all rows of `rows`, which has the writer's width and channels. From one thread at a time. */
 StyStatus sty_write_rows(StyImageWriter *writer, const StyImage *rows, StyError *error);

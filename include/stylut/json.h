@@ -31,6 +31,13 @@ typedef struct StyPath {
   size_t index;
 } StyPath;
 
+/* The way there, as "objects[2].mesh", nothing for NULL; and with where that stands, as
+ * "shot.json:12:15: objects[2].mesh", for what is wrong with something else that a value names. What doesn't fit is cut
+ * off. */
+#define STY_PLACE_SIZE 1024
+void sty_name_path(const StyPath *path, char *out, size_t size);
+void sty_name_place(const StyDocument *document, const StyPath *path, char *out, size_t size);
+
 /* STY_ERROR_INPUT "FILE:LINE:COLUMN: KEY: found ..., expected EXPECTED" for the
  * value at `path` (NULL: the root). */
 StyStatus sty_fail_value(const StyDocument *document, const StyPath *path, const json_t *found, const char *expected,

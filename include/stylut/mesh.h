@@ -29,6 +29,7 @@ typedef struct StyPaint {
 /* A picture that surfaces show. */
 typedef struct StyPicture {
   char *path;           /* its file; of one inside a mesh's file, what messages call it */
+  char *named_by;       /* who names that file, for messages: "wall.obj"; NULL: nobody else than the caller */
   unsigned char *bytes; /* of the latter: a picture's file, byte by byte; NULL: at the path */
   size_t size;
 } StyPicture;
@@ -53,8 +54,11 @@ typedef struct StyMesh {
   size_t vertices_read;  /* as the file, or the importer, has them: of an OBJ or STL one per corner, unused ones too */
   size_t repeated_faces; /* left out: two of their corners lie at the same place */
   size_t flat_faces;     /* left out: others without area */
+  char *lost_materials;  /* the material file that an OBJ file names and that isn't there; NULL: none */
   double import_bytes;   /* the most memory that the importer's process held; 0: there was none */
   double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
+  size_t
+      clashes; /* edges that both their triangles run along the same way, where normals were computed: seams of them */
 } StyMesh;
 
 typedef struct StyMeshOptions {
@@ -72,11 +76,11 @@ static inline int sty_get_part(const StyMesh *mesh, size_t triangle) {
 /* Bytes of what rays need of a mesh: vertices, indices and parts. */
 double sty_get_mesh_bytes(const StyMesh *mesh);
 
-/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb or .off. */
+/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb, .fbx or .off. */
 bool sty_is_mesh_file(const char *path);
 
-/* Reads OBJ, PLY, STL, glTF or OFF: binary PLY files of triangles here, where reading takes no more than a quarter of
- * the mesh's bytes beside them; all others through Assimp, in a process of its own and at a multiple of that. Every
+/* Reads OBJ, PLY, STL, glTF, FBX or OFF: binary PLY files of triangles here, where reading takes no more than a quarter
+ * of the mesh's bytes beside them; all others through Assimp, in a process of its own and at a multiple of that. Every
  * index and coordinate is checked. Zero-area triangles are left out. The caller owns the mesh.
  * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
  * faces, all faces without area, NaN or infinite coordinates, indices out of

@@ -82,9 +82,10 @@ extern const double sty_identity[3][4];
 StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
 
-/* The number of the texture at this path, which is remembered but not opened. Pictures that a mesh brings along become
- * the scene's with the mesh, and its paints then have their numbers here. */
-StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error);
+/* The number of the texture at this path, which is remembered but not opened. Who names it stands at the beginning of
+ * messages about the file; of those that name the same the first, NULL: nobody. Pictures that a mesh brings along
+ * become the scene's with the mesh, and its paints then have their numbers here. */
+StyStatus sty_add_texture(StyScene *scene, const char *path, const char *named_by, int *number, StyError *error);
 
 /* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
  * which it is. STY_ERROR_INPUT: a transform without a volume or with values that aren't
@@ -106,6 +107,11 @@ StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error);
 /* STY_ERROR_INPUT unless the two have as many objects and spheres, and objects of as many triangles: what a later
  * state of the same scene has. */
 StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error);
+
+/* Tells, line by line, what in a finished scene is most likely a mistake and is rendered all the same: material files
+ * and textures that aren't there (no channel needs them, or they would be errors), textures on meshes that have no
+ * texture coordinates. `tell` copies what it keeps. */
+void sty_review_scene(const StyScene *scene, void (*tell)(void *context, const char *line), void *context);
 
 /* Triangles of all objects, shared ones counted for each. */
 size_t sty_count_scene_triangles(const StyScene *scene);

@@ -61,6 +61,7 @@ void sty_free_pairs(StyPairs *pairs);
  * pixels, over those that aren't folded; 1 for both where it is rigid. */
 typedef struct StyWarpFigures {
   size_t inside;                        /* pixels with A = 1 */
+  int outside, first_outside;           /* pairs of which a point lies outside the picture, and the first of them */
   int measured;                         /* pairs whose `to` lies inside the picture; only these have a residual: */
   double residual_mean, residual_max;   /* pixels between `from` and the field's answer at `to`, read bilinearly */
   double stretch;                       /* largest length in the output of one pixel of the source */
@@ -72,8 +73,9 @@ typedef struct StyWarpFigures {
 /* The field, bits = 32; the caller owns *out. The same for any number of threads. Takes time in proportion to pixels
  * times pairs. `name` is the pairs', for messages; `figures` may be NULL.
  * One pair gives a translation, whatever the kind but affine. STY_ERROR_INPUT: no pairs or too many, a place that isn't
- * finite or lies too far away, a point that two pairs name, kind affine where all `to` lie on a line (or there are
- * fewer than three); STY_ERROR_USAGE: another alpha. */
+ * finite or lies too far away, a point that two pairs name, no pair with its `to` inside the picture, kind
+ * affine where all `to` or all `from` lie on a line, to a thousandth of its length (or there are fewer than three);
+ * STY_ERROR_USAGE: another alpha. */
 StyStatus sty_make_warp_guide(const char *name, const StyPairs *pairs, int width, int height, const StyRun *run,
                               StyWarpFigures *figures, StyImage **out, StyError *error);
 

@@ -117,17 +117,25 @@ static const char *find_place(const char *text, const StyPath *path) {
 
 /* ---- messages and typed access ---- */
 
-static void write_path(const StyPath *path, char *out, size_t size) {
+void sty_name_path(const StyPath *path, char *out, size_t size) {
   if (!path) {
     *out = 0;
     return;
   }
-  write_path(path->parent, out, size);
+  sty_name_path(path->parent, out, size);
   const size_t used = strlen(out);
   if (path->key)
     snprintf(out + used, size - used, "%s%s", used ? "." : "", path->key);
   else
     snprintf(out + used, size - used, "[%zu]", path->index);
+}
+
+void sty_name_place(const StyDocument *document, const StyPath *path, char *out, size_t size) {
+  int line, column;
+  char where[256];
+  locate(document->text, find_place(document->text, path), &line, &column);
+  sty_name_path(path, where, sizeof where);
+  snprintf(out, size, "%s:%d:%d%s%s", document->name, line, column, *where ? ": " : "", where);
 }
 
 static const char *name_type(const json_t *value) {
@@ -138,12 +146,9 @@ static const char *name_type(const json_t *value) {
 
 static StyStatus fail_at(const StyDocument *document, const StyPath *path, const char *found, const char *expected,
                          StyError *error) {
-  int line, column;
-  char where[256];
-  locate(document->text, find_place(document->text, path), &line, &column);
-  write_path(path, where, sizeof where);
-  return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: %s%sfound %s, expected %s", document->name, line, column, where,
-                  *where ? ": " : "", found, expected);
+  char place[STY_PLACE_SIZE];
+  sty_name_place(document, path, place, sizeof place);
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found %s, expected %s", place, found, expected);
 }
 
 StyStatus sty_fail_value(const StyDocument *document, const StyPath *path, const json_t *found, const char *expected,

@@ -30,8 +30,8 @@ const char *sty_get_geometry_library_version(void) { return nullptr; }
 #include <CGAL/version.h>
 
 #include <cmath>
-#include <exception>
-#include <new>
+
+#include "bridge/guard.h"
 
 #define QUOTE_TOKEN(token) #token
 #define QUOTE_VALUE(macro) QUOTE_TOKEN(macro)
@@ -103,29 +103,23 @@ StyStatus copy_mesh(const Mesh &mesh, StyFieldMesh *out, StyError *error) {
 
 StyStatus sty_mesh_field(StyField *field, void *context, const StyFieldBounds *bounds, StyFieldMesh *out,
                          StyError *error) {
-  try {
-    if (!is_positive(bounds->radius) || !is_positive(bounds->angle) || !is_positive(bounds->size) ||
-        !is_positive(bounds->distance)) {
-      return sty_fail(error, STY_ERROR_INPUT,
-                      "meshing: radius %g, angle %g, size %g, distance %g: expected positive numbers", bounds->radius,
-                      bounds->angle, bounds->size, bounds->distance);
-    }
-    if (!(field(context, bounds->center) < 0.0)) {
-      return sty_fail(error, STY_ERROR_INPUT, "meshing: centre (%g, %g, %g) is not inside the surface",
-                      bounds->center[0], bounds->center[1], bounds->center[2]);
-    }
+  if (!is_positive(bounds->radius) || !is_positive(bounds->angle) || !is_positive(bounds->size) ||
+      !is_positive(bounds->distance)) {
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "meshing: radius %g, angle %g, size %g, distance %g: expected positive numbers", bounds->radius,
+                    bounds->angle, bounds->size, bounds->distance);
+  }
+  if (!(field(context, bounds->center) < 0.0)) {
+    return sty_fail(error, STY_ERROR_INPUT, "meshing: centre (%g, %g, %g) is not inside the surface", bounds->center[0],
+                    bounds->center[1], bounds->center[2]);
+  }
+  return guard("a mesh", 0.0, error, [&] {
     const Mesh mesh = mesh_field(field, context, *bounds);
     if (mesh.number_of_faces() == 0) {
       return sty_fail(error, STY_ERROR_INPUT, "meshing: no surface within %g of the centre", bounds->radius);
     }
     return copy_mesh(mesh, out, error);
-  } catch (const std::bad_alloc &) {
-    return sty_fail_memory(error, "a mesh", 0.0);
-  } catch (const std::exception &exception) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "CGAL: %s", exception.what());
-  } catch (...) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "CGAL: unknown exception");
-  }
+  });
 }
 
 const char *sty_get_geometry_library_version(void) { return "CGAL " QUOTE_VALUE(CGAL_VERSION); }

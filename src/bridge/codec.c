@@ -1,10 +1,12 @@
 #include "bridge/codec.h"
 
 #include <dlfcn.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "bridge/whole.h"
 #include "stylut/image_io.h"
@@ -34,6 +36,13 @@ StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   StyStatus status = get_codec(&c, error);
   if (!status) status = sty_check_whole(path, error);
   return status ? status : c->read(path, out, error);
+}
+
+StyStatus sty_read_image_shape(const char *path, StyImageShape *out, StyError *error) {
+  const StyImageCodec *c;
+  StyStatus status = get_codec(&c, error);
+  if (!status) status = sty_check_whole(path, error);
+  return status ? status : c->read_shape(path, out, error);
 }
 
 static bool has_ending(const char *path, const char *ending) {
@@ -133,6 +142,17 @@ void sty_discard_image_writer(StyImageWriter **writer) {
   *writer = NULL;
 }
 
+/* OpenImageIO 2.4 and what it draws in; rows that are copied at a time on the way to it; and rows that OpenEXR 3 holds
+ * per processor while it compresses them, in parts that are half full. */
+static const double LIBRARY_BYTES = 128e6, COPIED_ROWS = 64, HELD_ROWS = 64;
+
+double sty_get_image_library_bytes(void) { return LIBRARY_BYTES; }
+
+double sty_estimate_writer_bytes(int width, int channels, int rows) {
+  const double row = (double)width * channels * sizeof(float), processors = (double)sysconf(_SC_NPROCESSORS_ONLN);
+  return LIBRARY_BYTES + row * (fmin(rows, COPIED_ROWS) + HELD_ROWS * processors);
+}
+
 StyStatus sty_prepare_image(const char *path, const StyImage *image, StyOutput *out, StyError *error) {
   StyImageWriter writer;
   StyStatus status = open_writer(path, image, image->height, &writer, error);
@@ -161,6 +181,6 @@ void sty_close_texture_map(StyTextureMap **texture) {
   if (texture && *texture) codec->close_texture(texture);
 }
 
-void sty_sample_texture_map(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
-  codec->sample_texture(texture, uv, nearest, out);
+bool sty_sample_texture_map(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
+  return codec->sample_texture(texture, uv, nearest, out);
 }

@@ -19,6 +19,7 @@ typedef struct StyRowWriter StyRowWriter;
 /* As sty_read_image and the writers of image_io.h, and what texture.h has. */
 typedef struct StyImageCodec {
   StyStatus (*read)(const char *path, StyImage **out, StyError *error);
+  StyStatus (*read_shape)(const char *path, StyImageShape *out, StyError *error);
   StyStatus (*open_writer)(const char *path, FILE *stream, StyImageFormat format, const StyImage *like, int height,
                            StyRowWriter **out, StyError *error);
   StyStatus (*write_rows)(StyRowWriter *writer, const StyImage *rows, StyError *error);
@@ -26,7 +27,7 @@ typedef struct StyImageCodec {
   void (*discard_writer)(StyRowWriter **writer);
   StyStatus (*open_texture)(const char *path, StyTextureMap **out, StyError *error);
   void (*close_texture)(StyTextureMap **texture);
-  void (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
+  bool (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 } StyImageCodec;
 
 #define STY_CODEC_MODULE "libstylut_oiio.so"

@@ -20,11 +20,11 @@ int sty_find_neighbours_within(const StyNeighbours *, const float *, double, int
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/property_map.h>
 
-#include <exception>
 #include <iterator>
-#include <new>
 #include <utility>
 #include <vector>
+
+#include "bridge/guard.h"
 
 /* What 2 and 3 dimensions have in common. */
 struct StyNeighbours {
@@ -106,19 +106,13 @@ struct Tree final : StyNeighbours {
 }  // namespace
 
 StyStatus sty_open_neighbours(const float *values, size_t count, int dims, StyNeighbours **out, StyError *error) {
-  try {
+  return guard("engine cgal", static_cast<double>(count) * 64.0, error, [&] {
     if (dims == 2)
       *out = new Tree<Plane>(values, count, dims);
     else
       *out = new Tree<Space>(values, count, dims);
     return STY_OK;
-  } catch (const std::bad_alloc &) {
-    return sty_fail_memory(error, "engine cgal", static_cast<double>(count) * 64.0);
-  } catch (const std::exception &exception) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "CGAL: %s", exception.what());
-  } catch (...) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "CGAL: unknown exception");
-  }
+  });
 }
 
 void sty_close_neighbours(StyNeighbours **tree) {

@@ -101,7 +101,7 @@ std::vector<Part> read_headers(const char *path, ImageInput &input, double file_
                      path, spec.full_width, spec.full_height, spec.nchannels, STY_MAX_SIDE, STY_MAX_PIXELS,
                      STY_MAX_CHANNELS));
     const double pixels = std::fmax(double(spec.width) * spec.height, double(spec.full_width) * spec.full_height);
-    claimed += pixels * spec.nchannels * sizeof(float);
+    claimed += pixels * double(spec.pixel_bytes(true));  // as the file has them
     parts.push_back(part);
     if (std::strcmp(input.format_name(), "openexr") != 0) break;
   }
@@ -183,7 +183,7 @@ void write_rows(const char *path, ImageOutput &output, const StyImage *image, in
   const ImageSpec &spec = output.spec();
   const size_t pixels = sty_count_pixels(image);
   const size_t channels = size_t(image->channel_count), width = size_t(image->width);
-  std::vector<float> rows(kRowsAtOnce * width * channels);
+  std::vector<float> rows(size_t(std::min(kRowsAtOnce, image->height)) * width * channels);
   std::vector<uint16_t> integers(image->bits < 32 ? rows.size() : 0);
   const float top = image->bits == 8 ? 255.0f : 65535.0f;
   for (int begin = 0; begin < image->height; begin += kRowsAtOnce) {
@@ -211,32 +211,60 @@ void write_rows(const char *path, ImageOutput &output, const StyImage *image, in
 
 }  // namespace
 
-StyStatus sty::read_image(const char *path, StyImage **out, StyError *error) {
+// A picture file whose headers were read, and found to be of a picture that there may be.
+struct Source {
+  std::unique_ptr<ImageInput> input;
+  std::vector<Part> parts;
+};
+
+static void check_names(const char *path, const std::vector<const char *> &names, StyError *error) {
+  for (size_t n = 0; n < names.size(); n++) {
+    for (size_t earlier = 0; earlier < n; earlier++)
+      if (std::strcmp(names[n], names[earlier]) == 0)
+        check(sty_fail(error, STY_ERROR_INPUT, "%s: found two channels named %s, expected distinct names", path,
+                       names[n]));
+    if (std::strlen(names[n]) >= STY_MAX_NAME)
+      check(sty_fail(error, STY_ERROR_INPUT, "%s: found a channel name of %zu bytes, expected at most %d", path,
+                     std::strlen(names[n]), STY_MAX_NAME - 1));
+  }
+}
+
+static Source open_source(const char *path, StyError *error) {
   uint64_t file_bytes = 0;
-  const StyStatus status = sty_check_file(path, &file_bytes, error);
-  if (status != STY_OK) return status;
+  check(sty_check_file(path, &file_bytes, error));
+  ImageSpec header, hints;
+  hints["oiio:UnassociatedAlpha"] = 1;
+  hints["oiio:RawColor"] = 1;
+  Source source;
+  source.input = ImageInput::create(find_reader(path));
+  if (!source.input || !source.input->open(path, header, hints))
+    check(sty_fail(error, STY_ERROR_INPUT, "%s: found no readable picture, expected EXR, PNG, TIFF, JPEG, TGA or HDR",
+                   path));
+  source.parts = read_headers(path, *source.input, double(file_bytes), error);
+  return source;
+}
+
+static std::vector<const char *> get_names(const Source &source) {
+  std::vector<const char *> names;
+  for (const Part &part : source.parts)
+    for (const std::string &name : part.names) names.push_back(name.c_str());
+  return names;
+}
+
+StyStatus sty::read_shape(const char *path, StyImageShape *out, StyError *error) {
   return guard(path, error, [&] {
-    ImageSpec hints;
-    hints["oiio:UnassociatedAlpha"] = 1;
-    hints["oiio:RawColor"] = 1;
-    const auto input = ImageInput::create(find_reader(path));
-    ImageSpec header;
-    if (!input || !input->open(path, header, hints))
-      check(sty_fail(error, STY_ERROR_INPUT, "%s: found no readable picture, expected EXR, PNG, TIFF, JPEG, TGA or HDR",
-                     path));
-    const std::vector<Part> parts = read_headers(path, *input, double(file_bytes), error);
-    std::vector<const char *> names;
-    for (const Part &part : parts)
-      for (const std::string &name : part.names) {
-        for (const char *earlier : names)
-          if (name == earlier)
-            check(sty_fail(error, STY_ERROR_INPUT, "%s: found two channels named %s, expected distinct names", path,
-                           earlier));
-        if (name.size() >= STY_MAX_NAME)
-          check(sty_fail(error, STY_ERROR_INPUT, "%s: found a channel name of %zu bytes, expected at most %d", path,
-                         name.size(), STY_MAX_NAME - 1));
-        names.push_back(name.c_str());
-      }
+    const Source source = open_source(path, error);
+    const ImageSpec &first = source.parts.front().spec;
+    *out = {first.full_width, first.full_height, int(get_names(source).size())};
+  });
+}
+
+StyStatus sty::read_image(const char *path, StyImage **out, StyError *error) {
+  return guard(path, error, [&] {
+    const Source source = open_source(path, error);
+    const std::vector<const char *> names = get_names(source);
+    check_names(path, names, error);
+    const std::vector<Part> &parts = source.parts;
     const ImageSpec &first = parts.front().spec;
     StyError cause;
     StyImage *created = nullptr;
@@ -247,12 +275,13 @@ StyStatus sty::read_image(const char *path, StyImage **out, StyError *error) {
     int channel = 0;
     for (size_t i = 0; i < parts.size(); i++) {
       const int bits = bits_of(parts[i].spec.format);
+      ImageInput &input = *source.input;
       if (bits == 8)
-        read_part<uint8_t>(path, *input, int(i), parts[i], TypeDesc::UINT8, channel, image.get(), error);
+        read_part<uint8_t>(path, input, int(i), parts[i], TypeDesc::UINT8, channel, image.get(), error);
       else if (bits == 16)
-        read_part<uint16_t>(path, *input, int(i), parts[i], TypeDesc::UINT16, channel, image.get(), error);
+        read_part<uint16_t>(path, input, int(i), parts[i], TypeDesc::UINT16, channel, image.get(), error);
       else
-        read_part<float>(path, *input, int(i), parts[i], TypeDesc::FLOAT, channel, image.get(), error);
+        read_part<float>(path, input, int(i), parts[i], TypeDesc::FLOAT, channel, image.get(), error);
       channel += parts[i].spec.nchannels;
     }
     read_attributes(first, image.get(), error);
@@ -326,6 +355,6 @@ static StyStatus close_writer(StyRowWriter **writer, StyError *error) {
   return status;
 }
 
-extern "C" __attribute__((visibility("default")))
-const StyImageCodec sty_image_codec = {sty::read_image, open_writer,       append_rows,        close_writer,
-                                       discard_writer,  sty::open_texture, sty::close_texture, sty::sample_texture};
+extern "C" __attribute__((visibility("default"))) const StyImageCodec sty_image_codec = {
+    sty::read_image, sty::read_shape,   open_writer,        append_rows,        close_writer,
+    discard_writer,  sty::open_texture, sty::close_texture, sty::sample_texture};

@@ -3,8 +3,9 @@
 #include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/texture.h>
 #include <cmath>
+#include <cstring>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "bridge/oiio.h"
 
@@ -16,10 +17,63 @@ namespace {
 constexpr int kTile = 64;
 constexpr float kCacheMegabytes = 4096.0f;
 
-// One of the picture's first three channels, or its only one (with alpha or without).
-const float *find_plane(const StyImage &image, int channel) {
-  return image.data + (image.channel_count < 3 ? 0 : size_t(channel)) * sty_count_pixels(&image);
+// A picture whose colours are those of a texture.
+struct Picture {
+  ImageHolder image;
+  const float *planes[3] = {};  // R G B; of a grey picture three times the same
+};
+
+// The plane of a picture that holds nothing but grey, with alpha or without.
+const float *find_grey(const StyImage &image) {
+  const int colours = image.channel_count - (sty_find_channel(&image, "A") ? 1 : 0);
+  const float *grey = sty_find_channel(&image, "Y");
+  for (int c = 0; !grey && colours == 1 && c < image.channel_count; c++)
+    if (std::strcmp(image.names[c], "A") != 0 && !std::strchr(image.names[c], '.'))
+      grey = image.data + size_t(c) * sty_count_pixels(&image);
+  return grey;
 }
+
+// By name: the place of a channel in a file with layers says nothing.
+bool find_planes(Picture *picture) {
+  static constexpr const char *kNames[] = {"R", "G", "B"};
+  const StyImage &image = *picture->image;
+  for (int c = 0; c < 3; c++) picture->planes[c] = sty_find_channel(&image, kNames[c]);
+  if (picture->planes[0] && picture->planes[1] && picture->planes[2]) return true;
+  const float *grey = find_grey(image);
+  for (const float *&plane : picture->planes) plane = grey;
+  return grey;
+}
+
+std::string list_channels(const StyImage &image) {
+  constexpr int kMost = 8;
+  std::string list = image.names[0];
+  for (int c = 1; c < image.channel_count && c < kMost; c++) list += std::string(", ") + image.names[c];
+  return image.channel_count > kMost ? list + ", ..." : list;
+}
+
+void check_values(const char *path, const Picture &picture, StyError *error) {
+  const size_t width = size_t(picture.image->width);
+  for (const float *plane : picture.planes)
+    for (size_t i = 0; i < sty_count_pixels(picture.image.get()); i++)
+      if (!(plane[i] >= 0 && plane[i] <= STY_MAX_TEXEL))
+        check(sty_fail(error, STY_ERROR_INPUT, "%s: found %g at pixel (%zu, %zu), expected a colour from 0 to %g", path,
+                       double(plane[i]), i % width, i / width, double(STY_MAX_TEXEL)));
+}
+
+Picture read_picture(const char *path, StyError *error) {
+  StyImage *read = nullptr;
+  check(read_image(path, &read, error));
+  Picture picture;
+  picture.image.reset(read);
+  if (!find_planes(&picture))
+    check(sty_fail(error, STY_ERROR_INPUT, "%s: found the channels %s, expected R, G and B, or Y alone", path,
+                   list_channels(*read).c_str()));
+  check_values(path, picture, error);
+  return picture;
+}
+
+// What open_texture has read, for the first time that the texture system asks for it, which is at once.
+thread_local Picture just_read;
 
 // A picture as scene-linear R G B, read through our own reader, which knows what is wrong with files.
 class LinearPicture final : public OIIO::ImageInput {
@@ -27,52 +81,38 @@ class LinearPicture final : public OIIO::ImageInput {
   const char *format_name() const override { return "stylut linear"; }
 
   bool open(const std::string &name, OIIO::ImageSpec &spec) override {
-    StyImage *read = nullptr;
     StyError error;
-    if (sty::read_image(name.c_str(), &read, &error) != STY_OK) {
-      errorfmt("{}", error.text);
-      return false;
-    }
-    image_.reset(read);
-    m_spec = OIIO::ImageSpec(read->width, read->height, 3, OIIO::TypeDesc::FLOAT);
-    spec = m_spec;
-    return true;
+    const StyStatus status = guard(name.c_str(), &error, [&] {
+      picture_ = just_read.image ? std::move(just_read) : read_picture(name.c_str(), &error);
+      m_spec = OIIO::ImageSpec(picture_.image->width, picture_.image->height, 3, OIIO::TypeDesc::FLOAT);
+      spec = m_spec;
+    });
+    if (status != STY_OK) errorfmt("{}", error.text);
+    return status == STY_OK;
   }
 
   bool close() override {
-    image_.reset();
+    picture_.image.reset();
     return true;
   }
 
   bool read_native_scanline(int subimage, int level, int y, int, void *data) override {
-    if (subimage != 0 || level != 0 || !image_ || y < 0 || y >= image_->height) return false;
-    const size_t width = size_t(image_->width);
-    for (int c = 0; c < 3; c++) {
-      const float *row = find_plane(*image_, c) + size_t(y) * width;
+    const StyImage *image = picture_.image.get();
+    if (subimage != 0 || level != 0 || !image || y < 0 || y >= image->height) return false;
+    const size_t width = size_t(image->width);
+    for (size_t c = 0; c < 3; c++) {
+      const float *row = picture_.planes[c] + size_t(y) * width;
       for (size_t x = 0; x < width; x++)
-        static_cast<float *>(data)[3 * x + size_t(c)] = image_->bits < 32 ? OIIO::sRGB_to_linear(row[x]) : row[x];
+        static_cast<float *>(data)[3 * x + c] = image->bits < 32 ? OIIO::sRGB_to_linear(row[x]) : row[x];
     }
     return true;
   }
 
  private:
-  ImageHolder image_;
+  Picture picture_;
 };
 
 OIIO::ImageInput *make_picture() { return new LinearPicture; }
-
-void check_values(const char *path, StyError *error) {
-  StyImage *read = nullptr;
-  check(read_image(path, &read, error));
-  const ImageHolder image(read);
-  for (int c = 0; c < 3; c++) {
-    const float *plane = find_plane(*image, c);
-    for (size_t i = 0; i < sty_count_pixels(read); i++)
-      if (!std::isfinite(plane[i]))
-        check(sty_fail(error, STY_ERROR_INPUT, "%s: pixel (%d, %d) holds %g, expected a finite colour", path,
-                       int(i % size_t(read->width)), int(i / size_t(read->width)), double(plane[i])));
-  }
-}
 
 // One for the process, for good: threads keep what they looked up last, and would take it
 // for their own in a later system at the same address.
@@ -99,12 +139,13 @@ namespace sty {
 
 StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error) {
   return guard(path, error, [&] {
-    check_values(path, error);
     auto texture = std::make_unique<StyTextureMap>();
     OIIO::TextureSystem &system = get_system();
     texture->path = OIIO::ustring(path);
+    system.invalidate(texture->path);  // what an earlier texture of this path has left
+    just_read = read_picture(path, error);
     system.imagecache()->add_file(texture->path, make_picture, nullptr, true);
-    system.invalidate(texture->path);
+    just_read = {};
     texture->handle = system.get_texture_handle(texture->path);
     if (!texture->handle || !system.good(texture->handle))
       check(sty_fail(error, STY_ERROR_LIBRARY, "%s: OpenImageIO has no texture of it: %s", path,
@@ -122,9 +163,9 @@ void close_texture(StyTextureMap **texture) {
   *texture = nullptr;
 }
 
-void sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
+bool sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
   out[0] = out[1] = out[2] = 0;
-  if (!std::isfinite(uv[0]) || !std::isfinite(uv[1])) return;
+  if (!std::isfinite(uv[0]) || !std::isfinite(uv[1])) return true;
   OIIO::TextureOpt options;
   options.swrap = options.twrap = OIIO::TextureOpt::WrapPeriodic;
   options.mipmode = OIIO::TextureOpt::MipModeNoMIP;
@@ -132,8 +173,9 @@ void sample_texture(const StyTextureMap *texture, const double uv[2], bool neare
   try {
     // Within one period first: a float has no fraction left far from it. Rows count from the top.
     const double u = uv[0] - std::floor(uv[0]), v = 1 - (uv[1] - std::floor(uv[1]));
-    get_system().texture(texture->handle, nullptr, options, float(u), float(v), 0, 0, 0, 0, 3, out);
-  } catch (...) {  // memory: the picture itself was read when it was opened
+    return get_system().texture(texture->handle, nullptr, options, float(u), float(v), 0, 0, 0, 0, 3, out);
+  } catch (...) {  // memory
+    return false;
   }
 }
 

@@ -38,10 +38,11 @@ void sty_list_surface(const StySurface *, uint32_t *, uint32_t *) {}
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <new>
 #include <unordered_map>
 #include <vector>
+
+#include "bridge/guard.h"
 
 namespace {
 
@@ -56,16 +57,8 @@ using Edge = Mesh::Halfedge_index;
 using Face = Mesh::Face_index;
 
 template <class Body>
-StyStatus guard(StyError *error, const Body &body) {
-  try {
-    return body();
-  } catch (const std::bad_alloc &) {
-    return sty_fail_memory(error, "a surface", 0.0);
-  } catch (const std::exception &exception) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "CGAL: %s", exception.what());
-  } catch (...) {
-    return sty_fail(error, STY_ERROR_LIBRARY, "CGAL: unknown exception");
-  }
+StyStatus guard_surface(StyError *error, const Body &body) {
+  return guard("a surface", 0.0, error, body);
 }
 
 Point get_point(const StyTriangles &triangles, std::size_t p) {
@@ -134,7 +127,7 @@ StyStatus wind(const StyTriangles &triangles, StyWinding *winding, StyError *err
 
 StyStatus sty_wind_triangles(const StyTriangles *triangles, StyWinding *out, StyError *error) {
   StyWinding winding{};
-  const StyStatus status = guard(error, [&] { return wind(*triangles, &winding, error); });
+  const StyStatus status = guard_surface(error, [&] { return wind(*triangles, &winding, error); });
   if (status != STY_OK)
     sty_destroy_winding(&winding);
   else
@@ -364,7 +357,7 @@ StyStatus fill_surface(const StyTriangles &triangles, const StyWinding &winding,
 StyStatus sty_open_surface(const StyTriangles *triangles, const StyWinding *winding, const StyCollapseRules *rules,
                            StySurface **out, StyError *error) {
   StySurface *surface = nullptr;
-  const StyStatus status = guard(error, [&] {
+  const StyStatus status = guard_surface(error, [&] {
     surface = new StySurface;
     return fill_surface(*triangles, *winding, *rules, surface, error);
   });
@@ -376,7 +369,7 @@ StyStatus sty_open_surface(const StyTriangles *triangles, const StyWinding *wind
 }
 
 StyStatus sty_copy_surface(const StySurface *surface, StySurface **out, StyError *error) {
-  return guard(error, [&] {
+  return guard_surface(error, [&] {
     StySurface *copy = new StySurface(*surface);
     copy->find_properties();
     *out = copy;
@@ -390,7 +383,7 @@ void sty_close_surface(StySurface **surface) {
 }
 
 StyStatus sty_collapse_surface(StySurface *surface, size_t target, StyError *error) {
-  return guard(error, [&] {
+  return guard_surface(error, [&] {
     const Pull pull(surface);
     Keep keep;
     keep.surface = surface;

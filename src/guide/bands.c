@@ -3,9 +3,14 @@
 #include <pthread.h>
 #include <string.h>
 
-/* A band is of so many values at most, and of so many rows at least. */
-static const size_t BAND_VALUES = (size_t)1 << 24;
-enum { ROW_STEP = 32, MOST_ROWS = 128 };
+/* A band is of so many values at most and of so many rows at least. Narrow ones are higher, so that they are worth the
+ * handing over. */
+static const size_t BAND_VALUES = (size_t)1 << 24, BAND_PIXELS = (size_t)1 << 16;
+enum { ROW_STEP = 32, MOST_ROWS = 128, MOST_NARROW_ROWS = 8192 };
+
+static size_t clamp(size_t value, size_t least, size_t most) {
+  return value < least ? least : value > most ? most : value;
+}
 
 /* Rows on their way to the sink, in a thread of their own. */
 typedef struct Delivery {
@@ -42,8 +47,9 @@ static void start_delivery(Delivery *delivery, StyImage *rows) {
 }
 
 int sty_choose_band_rows(int width, int height) {
-  size_t rows = BAND_VALUES / ((size_t)width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
-  rows = rows < ROW_STEP ? ROW_STEP : rows > MOST_ROWS ? MOST_ROWS : rows;
+  const size_t most = clamp(BAND_PIXELS / (size_t)width / ROW_STEP * ROW_STEP, MOST_ROWS, MOST_NARROW_ROWS);
+  const size_t held = BAND_VALUES / ((size_t)width * (1 + STY_GROUP_COUNT)) / ROW_STEP * ROW_STEP;
+  const size_t rows = clamp(held, ROW_STEP, most);
   return rows < (size_t)height ? (int)rows : height;
 }
 
@@ -69,16 +75,17 @@ static StyStatus make_band(const StyBands *bands, int first, int rows, const Sty
   return status;
 }
 
-static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, double *first_ms,
+static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery *delivery, StyBandTimes *times,
                               StyError *error) {
   const int step = sty_choose_band_rows(bands->width, bands->height);
-  const double start = sty_get_milliseconds();
   for (int first = 0; first < bands->height; first += step) {
     const int rows = bands->height - first < step ? bands->height - first : step;
     StyImage *band = NULL;
+    const double start = sty_get_milliseconds();
     StyStatus status = make_band(bands, first, rows, run, &delivery->spare, &band, error);
     if (status) return status;
-    if (first == 0) *first_ms = sty_get_milliseconds() - start;
+    times->fill_ms += sty_get_milliseconds() - start;
+    if (first == 0) times->first_ms = times->fill_ms;
     status = await_delivery(delivery, error);
     if (status) {
       sty_destroy_image(&band);
@@ -89,10 +96,11 @@ static StyStatus stream_bands(const StyBands *bands, const StyRun *run, Delivery
   return STY_OK;
 }
 
-StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
+StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, StyBandTimes *times,
                            StyError *error) {
   Delivery delivery = {.sink = sink};
-  const StyStatus status = stream_bands(bands, run, &delivery, first_ms, error);
+  *times = (StyBandTimes){0};
+  const StyStatus status = stream_bands(bands, run, &delivery, times, error);
   StyError cause;
   const StyStatus delivered = await_delivery(&delivery, status ? &cause : error);
   sty_destroy_image(&delivery.spare);

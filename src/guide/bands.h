@@ -16,8 +16,12 @@ typedef struct StyBands {
 /* Rows of a picture's bands; no more than two are held. */
 int sty_choose_band_rows(int width, int height);
 
-/* Hands all bands to the sink, in order. `first_ms`: until the first one was made. */
-StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, double *first_ms,
+typedef struct StyBandTimes {
+  double first_ms, fill_ms; /* what filling the first took, and all of them */
+} StyBandTimes;
+
+/* Hands all bands to the sink, in order. */
+StyStatus sty_stream_bands(const StyBands *bands, const StyRun *run, const StyRowSink *sink, StyBandTimes *times,
                            StyError *error);
 
 #endif

@@ -11,9 +11,7 @@ typedef struct Drawing {
   float *strength;
 } Drawing;
 
-static StyStatus draw_row(void *context, long row, StyError *error) {
-  (void)error;
-  const Drawing *drawing = context;
+static void draw_row(const Drawing *drawing, long row) {
   const StyContours *contours = drawing->contours;
   const long width = contours->sources->width, height = contours->drawn->height;
   const bool first = row == 0 && contours->is_top, last = row + 1 == height && contours->is_bottom;
@@ -30,6 +28,16 @@ static StyStatus draw_row(void *context, long row, StyError *error) {
     for (int k = 0; k < 3; k++) outlines.normal[r][k] = drawing->normal[k] + rows[r] * width;
   }
   drawing->kernels->draw_outlines(&outlines);
+}
+
+/* Rows that one thread draws in one go: as many as their handing over is nothing to. */
+enum { ROWS = 32 };
+
+static StyStatus draw_rows(void *context, long part, StyError *error) {
+  (void)error;
+  const Drawing *drawing = context;
+  const long height = drawing->contours->drawn->height, end = (part + 1) * ROWS;
+  for (long row = part * ROWS; row < end && row < height; row++) draw_row(drawing, row);
   return STY_OK;
 }
 
@@ -43,5 +51,5 @@ void sty_draw_contours(const StyContours *contours, int threads) {
                      .normal = {sty_find_channel(sources, "normal.X"), sty_find_channel(sources, "normal.Y"),
                                 sty_find_channel(sources, "normal.Z")},
                      .strength = sty_find_channel(contours->drawn, "contour.Y")};
-  sty_parallel_for(&run, contours->drawn->height, draw_row, &drawing, NULL);
+  sty_parallel_for(&run, (contours->drawn->height + ROWS - 1) / ROWS, draw_rows, &drawing, NULL);
 }

@@ -77,6 +77,9 @@ StyStatus sty_choose_flow_channels(const char *const names[2], const StyImage *c
                     names[0], names[1]);
   for (const char *at = list; !status;) {
     const size_t length = strcspn(at, ",");
+    if (length == 0)
+      return sty_fail(error, STY_ERROR_USAGE, "channels: found an empty name in '%s', expected names between commas",
+                      list);
     status = add_name(&choice, at, length, error);
     if (at[length] == '\0') break;
     at += length + 1;

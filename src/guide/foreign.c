@@ -267,6 +267,7 @@ static StyStatus fill_guide(StyImport *import, StyError *error) {
   if (import->has_camera && sty_has_field(import, STY_FIELD_POSITION)) sty_check_foreign_camera(import);
   sty_note_normals(import);
   sty_fill_normals(import, true);
+  sty_check_normals(import);
   sty_fill_positions(import);
   sty_fill_depth(import);
   fill_plain(import);
@@ -297,7 +298,11 @@ static StyStatus import_layers(StyImport *import, StyError *error) {
 static StyStatus import_picture(StyImport *import, StyImage **image, StyError *error) {
   static const char *const names[] = {"normal.X", "normal.Y", "normal.Z"};
   StyStatus status = require_camera(import, error);
-  if (!status) status = sty_import_guide(import->name, image, error);
+  const StyProgram *shown = sty_find_shown_program(*image);
+  if (status) return status;
+  status = sty_import_guide(import->name, image, error);
+  if (status && error && shown && !shown->is_picture)
+    sty_fail(error, status, "%s, or --as %s", error->text, shown->name);
   if (status) return status;
   import->file = import->guide = *image;
   for (int f = 0; f < STY_FIELDS; f++) drop_field(import, (StyField)f);
@@ -308,6 +313,7 @@ static StyStatus import_picture(StyImport *import, StyImage **image, StyError *e
   sty_add_note(import->notes, STY_NOTE_TAKEN, "normal.X .Y .Z and A as every command reads the file");
   sty_note_normals(import);
   if (import->is_world || import->options->flip_y) sty_fill_normals(import, import->is_world);
+  sty_check_normals(import);
   if (import->is_world) import->guide->bits = 32; /* turned, they are no bytes any more */
   return STY_OK;
 }

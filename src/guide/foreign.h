@@ -55,6 +55,9 @@ typedef struct StyPlace {
 /* Looks for all fields of a program; all come from the render layer that the normals are of, or from none. */
 void sty_find_fields(const StyProgram *program, const StyImage *image, StyPlace out[STY_FIELDS]);
 
+/* The program whose own layers, or kind of picture, a file shows; NULL: none that could be told. */
+const StyProgram *sty_find_shown_program(const StyImage *image);
+
 /* STY_ERROR_INPUT where the file lacks the program's normals or shows another program's mark. */
 StyStatus sty_check_program(const char *name, const StyProgram *program, const StyImage *image,
                             const StyPlace places[STY_FIELDS], StyError *error);
@@ -91,8 +94,11 @@ double sty_find_toward(const StyImport *import);
 
 void sty_note_normals(const StyImport *import);
 
-/* make_unit: those that are nearly so become unit vectors. Warns of other lengths, and of normals that face away. */
+/* make_unit: those that are nearly so become unit vectors. */
 void sty_fill_normals(StyImport *import, bool make_unit);
+
+/* Warns where the guide's normals have other lengths than 1, or face away. */
+void sty_check_normals(const StyImport *import);
 
 bool sty_has_world_positions(const StyImport *import);
 void sty_fill_positions(StyImport *import);

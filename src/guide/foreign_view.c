@@ -72,27 +72,43 @@ static void get_view_position(const StyImport *import, size_t pixel, double out[
 
 /* ---- normals ---- */
 
+static void find_normals(const StyImport *import, float *out[3]) {
+  for (int k = 0; k < 3; k++) out[k] = sty_find_channel(import->guide, sty_fields[STY_FIELD_NORMAL].channels[k]);
+}
+
+static bool is_unit(const double normal[3]) { return fabs(sqrt(dot_vectors(normal, normal)) - 1) < unit_tolerance; }
+
 void sty_fill_normals(StyImport *import, bool make_unit) {
   const float *covered = sty_find_channel(import->guide, "A");
   float *planes[3];
-  size_t count = 0, odd = 0, away = 0;
-  for (int k = 0; k < 3; k++) planes[k] = sty_find_channel(import->guide, sty_fields[STY_FIELD_NORMAL].channels[k]);
+  find_normals(import, planes);
   for (size_t i = 0; i < sty_count_pixels(import->guide); i++) {
     if (!(covered[i] > 0)) continue;
     double n[3];
     sty_get_vector(import, STY_FIELD_NORMAL, i, n);
     turn_normal(import, n);
-    const double length = sqrt(dot_vectors(n, n));
-    const bool is_odd = !(fabs(length - 1) < unit_tolerance);
-    for (int k = 0; k < 3; k++) planes[k][i] = (float)(make_unit && !is_odd ? n[k] / length : n[k]);
-    count++, odd += is_odd, away += n[2] < 0;
+    const double length = make_unit && is_unit(n) ? sqrt(dot_vectors(n, n)) : 1;
+    for (int k = 0; k < 3; k++) planes[k][i] = (float)(n[k] / length);
+  }
+}
+
+void sty_check_normals(const StyImport *import) {
+  const float *covered = sty_find_channel(import->guide, "A");
+  float *planes[3];
+  size_t count = 0, odd = 0, away = 0;
+  find_normals(import, planes);
+  for (size_t i = 0; i < sty_count_pixels(import->guide); i++) {
+    if (!(covered[i] > 0)) continue;
+    const double n[3] = {(double)planes[0][i], (double)planes[1][i], (double)planes[2][i]};
+    count++, odd += !is_unit(n), away += n[2] < 0;
   }
   if (odd)
     sty_add_note(
         import->notes, STY_NOTE_WARNING,
-        "found normals more than 10 %% off length 1 in %.2f %% of the covered pixels, left as they are; expected unit "
-        "normals, without anti-aliasing",
-        100.0 * (double)odd / (double)count);
+        "found normals more than 10 %% off length 1 in %.2f %% of the covered pixels, left as they are; "
+        "expected %s",
+        100.0 * (double)odd / (double)count,
+        2 * odd > count ? "a map of unit normals: is it another picture?" : "unit normals, without anti-aliasing");
   if (2 * away > count)
     sty_add_note(
         import->notes, STY_NOTE_WARNING,

@@ -167,6 +167,14 @@ static inline void find_curvature(const Placed *placed, const StyLane *ab, const
   }
 }
 
+/* How far their corners are from the origin, along the axes. */
+static inline void find_reach(const StyLane corners[3][3], double *restrict reach) {
+  SIMD_LANES reach[i] = 0;
+  for (int c = 0; c < 3; c++)
+    for (int k = 0; k < 3; k++)
+      SIMD_LANES reach[i] = fabs(corners[c][k][i]) > reach[i] ? fabs(corners[c][k][i]) : reach[i];
+}
+
 static inline void weigh_uvs(const StyLane *weights, const StyFloatLane uvs[3][2], StyLane *restrict out) {
   for (int k = 0; k < 2; k++)
     SIMD_LANES out[k][i] = weights[0][i] * (double)uvs[0][k][i] + weights[1][i] * (double)uvs[1][k][i] +
@@ -186,6 +194,7 @@ static void meet_triangles(const StyRays *rays, const StyTriangles *triangles, u
   find_weights(rays, placed.corners[0], ab, ac, triangles->found, hits->weights);
   weigh_corners(hits->weights, placed.corners, hits->at);
   if (parts & STY_HIT_UV) weigh_uvs(hits->weights, triangles->uvs, hits->uv);
+  if (parts & STY_HIT_LEAVE) find_reach(placed.corners, hits->off);
   if (!(parts & STY_HIT_SHADING)) return;
   weigh_corners(hits->weights, placed.normals, sum);
   find_shading(sum, hits->facet, hits->shading);

@@ -41,7 +41,8 @@ typedef struct StyOutlines {
 typedef struct StyKernels {
   /* Rays through the block of pixels whose first is (x, y). */
   void (*make_rays)(const StyFilm *film, int x, int y, StyRays *rays);
-  /* Fills at, facet, weights and what `parts`, of StyHitPart, asks for; the rest belongs to the caller. */
+  /* Fills at, facet, weights and what `parts`, of StyHitPart, asks for, and off with how far the corners are from the
+   * origin along an axis; the rest belongs to the caller. */
   void (*meet_triangles)(const StyRays *rays, const StyTriangles *triangles, unsigned parts, StyHits *hits);
   /* Fills what of normal, depth, position, uv, curvature, object and style is among the sight's groups. */
   void (*see_hits)(const StySight *sight, const StyRays *rays, const StyHits *hits, StySamples *samples);

@@ -1,5 +1,7 @@
 #include "guide/paint.h"
 
+#include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,10 +9,13 @@
 #include <unistd.h>
 
 #include "bridge/texture.h"
+#include "stylut/image_io.h"
 
 struct StyPalette {
+  const StyScene *scene;
   StyTextureMap **textures; /* 1 per texture of the scene */
   int *files;               /* those of pictures inside a mesh's file; -1: another's */
+  atomic_bool *failed;      /* whether a look-up did; 1 per texture */
   int count;
   bool nearest;
 };
@@ -40,16 +45,34 @@ static StyStatus make_file(const StyPicture *picture, int *file, char path[32], 
   return *file >= 0 ? STY_OK : sty_fail_memory(error, picture->path, (double)picture->size);
 }
 
+/* What is wrong with a picture, the cause beginning with its file's path: said with who names it or, of one inside a
+ * mesh's file, with what that is called. */
+static StyStatus blame_picture(const StyPicture *picture, const char *path, const StyError *cause, StyError *error) {
+  const char *by = picture->named_by ? picture->named_by : "", *colon = picture->named_by ? ": " : "";
+  if (!picture->bytes) return sty_fail(error, cause->status, "%s%s%s", by, colon, cause->text);
+  const size_t length = strncmp(cause->text, path, strlen(path)) == 0 ? strlen(path) : 0;
+  return sty_fail(error, cause->status, "%s%s", picture->path, cause->text + length);
+}
+
 static StyStatus open_picture(StyPalette *palette, const StyPicture *picture, int number, StyError *error) {
-  if (!picture->bytes) return sty_open_texture_map(picture->path, &palette->textures[number], error);
-  char path[32];
+  char inner[32];
+  const char *path = picture->bytes ? inner : picture->path;
   StyError cause;
-  StyStatus status = make_file(picture, &palette->files[number], path, error);
-  if (status) return status;
-  status = sty_open_texture_map(path, &palette->textures[number], &cause);
-  const size_t length = strlen(path);
-  const bool named = status && strncmp(cause.text, path, length) == 0; /* by the path, which nobody knows */
-  return status ? sty_fail(error, status, "%s%s", picture->path, named ? cause.text + length : cause.text) : STY_OK;
+  StyStatus status = picture->bytes ? make_file(picture, &palette->files[number], inner, error) : STY_OK;
+  if (!status && sty_open_texture_map(path, &palette->textures[number], &cause))
+    status = blame_picture(picture, path, &cause, error);
+  return status;
+}
+
+static StyStatus measure_picture(const StyPicture *picture, StyImageShape *shape, StyError *error) {
+  char inner[32];
+  const char *path = picture->bytes ? inner : picture->path;
+  int file = -1;
+  StyError cause;
+  StyStatus status = picture->bytes ? make_file(picture, &file, inner, error) : STY_OK;
+  if (!status && sty_read_image_shape(path, shape, &cause)) status = blame_picture(picture, path, &cause, error);
+  if (file >= 0) close(file);
+  return status;
 }
 
 static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError *error) {
@@ -63,15 +86,34 @@ static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError 
   return status;
 }
 
+StyStatus sty_estimate_palette(const StyScene *scene, double *bytes, double *decode_bytes, StyError *error) {
+  bool *used = calloc((size_t)scene->texture_count + 1, sizeof *used);
+  if (!used) return sty_fail_memory(error, "textures", scene->texture_count);
+  mark_used(scene, used);
+  StyStatus status = STY_OK;
+  *bytes = *decode_bytes = 0;
+  for (int t = 0; t < scene->texture_count && !status; t++) {
+    StyImageShape shape = {0};
+    if (used[t]) status = measure_picture(&scene->textures[t], &shape, error);
+    const double texels = (double)shape.width * shape.height;
+    *bytes += 3 * sizeof(float) * texels + (double)scene->textures[t].size;
+    *decode_bytes = fmax(*decode_bytes, texels * shape.channels * sizeof(float));
+  }
+  free(used);
+  return status;
+}
+
 StyStatus sty_open_palette(const StyScene *scene, bool nearest, StyPalette **out, StyError *error) {
   const size_t count = (size_t)scene->texture_count;
   StyPalette *palette = calloc(1, sizeof *palette);
   if (!palette) return sty_fail_memory(error, "textures", sizeof *palette);
   palette->textures = calloc(count + 1, sizeof(StyTextureMap *));
   palette->files = malloc((count + 1) * sizeof *palette->files);
+  palette->failed = calloc(count + 1, sizeof *palette->failed);
+  palette->scene = scene;
   palette->nearest = nearest;
   StyStatus status = STY_OK;
-  if (palette->textures && palette->files) {
+  if (palette->textures && palette->files && palette->failed) {
     palette->count = scene->texture_count;
     for (size_t t = 0; t < count; t++) palette->files[t] = -1;
     status = open_used(palette, scene, error);
@@ -93,6 +135,7 @@ void sty_close_palette(StyPalette **palette) {
   }
   free((*palette)->textures);
   free((*palette)->files);
+  free((*palette)->failed);
   free(*palette);
   *palette = NULL;
 }
@@ -103,6 +146,16 @@ void sty_get_albedo(const StyPalette *palette, const StyHits *hits, int i, StyLa
   if (paint->texture < 0) return;
   const double uv[2] = {hits->uv[0][i], hits->uv[1][i]};
   float texel[3];
-  sty_sample_texture_map(palette->textures[paint->texture], uv, palette->nearest, texel);
+  if (!sty_sample_texture_map(palette->textures[paint->texture], uv, palette->nearest, texel))
+    atomic_store_explicit(&palette->failed[paint->texture], true, memory_order_relaxed);
   for (int k = 0; k < 3; k++) out[k][i] *= (double)texel[k];
+}
+
+StyStatus sty_check_palette(const StyPalette *palette, StyError *error) {
+  for (int t = 0; t < palette->count; t++)
+    if (atomic_load_explicit(&palette->failed[t], memory_order_relaxed))
+      return sty_fail(error, STY_ERROR_LIBRARY,
+                      "%s: found no colour when it was looked up, expected a picture that stays and memory for it",
+                      palette->scene->textures[t].path);
+  return STY_OK;
 }

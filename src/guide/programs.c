@@ -235,15 +235,36 @@ static const char *find_mark(const StyProgram *program, const StyImage *image) {
   return NULL;
 }
 
+/* Integers of R, G and B are a picture; layers are whose mark and normals are there. */
+const StyProgram *sty_find_shown_program(const StyImage *image) {
+  const bool is_picture =
+      image->bits < 32 && sty_find_channel(image, "R") && sty_find_channel(image, "G") && sty_find_channel(image, "B");
+  StyPlace places[STY_FIELDS];
+  for (int p = 0; p < STY_PROGRAMS; p++) {
+    const StyProgram *program = &sty_programs[p];
+    if (is_picture && program->is_picture && program->space == STY_SPACE_VIEW) return program;
+    if (!find_mark(program, image)) continue;
+    sty_find_fields(program, image, places);
+    if (places[STY_FIELD_NORMAL].channels[0] >= 0) return program;
+  }
+  return NULL;
+}
+
+static void list_channels(const StyImage *image, char *out, size_t size) {
+  out[0] = '\0';
+  for (int c = 0; c < image->channel_count && strlen(out) < size - STY_MAX_NAME - 2; c++)
+    snprintf(out + strlen(out), size - strlen(out), "%s%s", c ? ", " : "", image->names[c]);
+}
+
 static StyStatus fail_normals(const char *name, const StyProgram *program, const StyImage *image, StyError *error) {
-  char found[384] = "";
-  for (int c = 0; c < image->channel_count && strlen(found) < sizeof found - STY_MAX_NAME - 2; c++)
-    snprintf(found + strlen(found), sizeof found - strlen(found), "%s%s", c ? ", " : "", image->names[c]);
+  const StyProgram *shown = sty_find_shown_program(image);
   const char *place = program->places[STY_FIELD_NORMAL][0];
-  char expected[64] = "R, G and B";
-  if (place[0] != '.') snprintf(expected, sizeof expected, "%s.X, %s.Y and %s.Z", place, place, place);
-  return sty_fail(error, STY_ERROR_INPUT, "%s: found no normals of %s among %d channel%s (%s), expected %s", name,
-                  program->name, image->channel_count, image->channel_count == 1 ? "" : "s", found, expected);
+  char found[384], expected[64] = "R, G and B of 8 or 16 bit", hint[32] = "";
+  list_channels(image, found, sizeof found);
+  if (place && place[0] != '.') snprintf(expected, sizeof expected, "%s.X, %s.Y and %s.Z", place, place, place);
+  if (shown) snprintf(hint, sizeof hint, ", or --as %s", shown->name);
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found no normals of %s among %d channel%s (%s), expected %s%s", name,
+                  program->name, image->channel_count, image->channel_count == 1 ? "" : "s", found, expected, hint);
 }
 
 StyStatus sty_check_program(const char *name, const StyProgram *program, const StyImage *image,
@@ -252,8 +273,9 @@ StyStatus sty_check_program(const char *name, const StyProgram *program, const S
   for (int p = 0; p < STY_PROGRAMS && !find_mark(program, image); p++) {
     const char *mark = find_mark(&sty_programs[p], image);
     if (mark)
-      return sty_fail(error, STY_ERROR_INPUT, "%s: found channel %s, which is of %s, expected channels of %s", name,
-                      mark, sty_programs[p].name, program->name);
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: found channel %s, which is of %s, expected channels of %s, or --as %s", name, mark,
+                      sty_programs[p].name, program->name, sty_programs[p].name);
   }
   return STY_OK;
 }

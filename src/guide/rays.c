@@ -8,9 +8,6 @@
 #include "scene/points.h"
 #include "scene/vector.h"
 
-/* Rays that leave a surface start this far off it (trace units). */
-static const double RAY_START = 1.0 / 32768;
-
 /* ---- triangles ---- */
 
 /* Not fmin and fmax, which are calls. */
@@ -63,6 +60,8 @@ static void hit_triangles(const StyTracer *tracer, const StyRays *rays, const st
   }
   for (int i = 0; i < STY_RAYS && triangles.is_moved; i++) load_transform(placed[i], i, &triangles);
   tracer->kernels->meet_triangles(rays, &triangles, parts, hits);
+  for (int i = 0; i < STY_RAYS && parts & STY_HIT_LEAVE; i++)
+    hits->off[i] = placed[i]->slack * (hits->off[i] + placed[i]->shift);
 }
 
 /* ---- spheres ---- */
@@ -101,6 +100,7 @@ static void hit_sphere(const StyBall *ball, const StyRays *rays, int i, StyHits 
   }
   for (int k = 0; k < 2; k++) hits->uv[k][i] = uv[k];
   hits->curvature[i] = side / ball->radius;
+  hits->off[i] = ball->slack;
   hits->material[i] = &ball->sphere->material;
   hits->paint[i] = &ball->sphere->material.paint;
   hits->style[i] = ball->sphere->style;
@@ -176,6 +176,7 @@ void sty_copy_hit(const StyHits *hits, int i, StyHits *out) {
   }
   for (int k = 0; k < 2; k++) out->uv[k][i] = hits->uv[k][i];
   out->curvature[i] = hits->curvature[i];
+  out->off[i] = hits->off[i];
   out->thing[i] = hits->thing[i];
   out->triangle[i] = hits->triangle[i];
   out->paint[i] = hits->paint[i];
@@ -185,12 +186,12 @@ void sty_copy_hit(const StyHits *hits, int i, StyHits *out) {
 }
 
 void sty_leave_hit(const StyHits *hits, int i, const double to[3], StyRay *out) {
-  double off[3];
-  sty_get_lane(hits->facet, i, off);
-  normalize_vector(off);
+  double facet[3];
+  sty_get_lane(hits->facet, i, facet);
+  normalize_vector(facet);
   /* Where only the interpolated normal faces the light, the facet is seen from behind by it. */
-  const double side = dot_vectors(off, to) < 0 ? -RAY_START : RAY_START;
-  for (int k = 0; k < 3; k++) out->origin[k] = hits->at[k][i] + side * off[k];
+  const double off = dot_vectors(facet, to) < 0 ? -hits->off[i] : hits->off[i];
+  for (int k = 0; k < 3; k++) out->origin[k] = hits->at[k][i] + off * facet[k];
   memcpy(out->direction, to, sizeof out->direction);
 }
 

@@ -47,6 +47,7 @@ typedef enum StyHitPart {
   STY_HIT_UV = 1 << 1,
   STY_HIT_CURVATURE = 1 << 2, /* with STY_HIT_SHADING */
   STY_HIT_OWNER = 1 << 3,     /* paint, material, style and object */
+  STY_HIT_LEAVE = 1 << 4,     /* how rays may leave it */
 } StyHitPart;
 
 /* Where a block's rays meet what they meet. */
@@ -56,6 +57,7 @@ typedef struct StyHits {
   StyLane shading[3]; /* the normal that light would see, unit length, on the same side */
   StyLane uv[2];
   StyLane curvature;           /* mean, per trace unit, positive where it bulges toward the viewer */
+  StyLane off;                 /* what rays that leave start off the surface so as not to meet it again, trace units */
   StyLane weights[3];          /* of the triangle's corners, 0..1, sum 1 */
   unsigned thing[STY_RAYS];    /* index of the object, or the objects' number and the sphere's index */
   unsigned triangle[STY_RAYS]; /* of the object's mesh */
@@ -86,11 +88,12 @@ bool sty_trace_rays(const StyTracer *tracer, const StyRays *rays, bool coherent,
 /* Hit i of a block, as hit i of another. */
 void sty_copy_hit(const StyHits *hits, int i, StyHits *out);
 
-/* The ray that leaves hit i along a unit vector, from a little off the surface, on whichever side it goes to. */
+/* The ray that leaves hit i (STY_HIT_LEAVE) along a unit vector, from a little off the surface, on whichever side it
+ * goes to. */
 void sty_leave_hit(const StyHits *hits, int i, const double to[3], StyRay *out);
 
-/* Clears asks[i] (-1 or 0; 32-byte aligned) where something stands on the way from hit i along to[.][i], a unit vector,
- * within `distances[i]` trace units. Thread-safe. */
+/* Clears asks[i] (-1 or 0; 32-byte aligned) where something stands on the way from hit i (STY_HIT_LEAVE) along
+ * to[.][i], a unit vector, within `distances[i]` trace units. Thread-safe. */
 void sty_trace_shadows(const StyTracer *tracer, const StyHits *hits, const StyLane to[3], const StyLane distances,
                        int *asks);
 

@@ -1,4 +1,5 @@
 /* Guides of scenes: one ray per pixel, and what it meets as channels. */
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +12,7 @@
 #include "guide/light.h"
 #include "guide/paint.h"
 #include "guide/paths.h"
+#include "guide/trace.h"
 #include "scene/points.h"
 #include "scene/vector.h"
 
@@ -47,6 +49,21 @@ static void see_motion(const Render *render, const StyHits *hits, int i, StyLane
       !sty_project_point(previous->camera, width, height, there, then))
     return;
   for (int k = 0; k < 2; k++) motion[k][i] = then[k] - now[k];
+}
+
+/* Channels are floats, which light without bounds doesn't fit. */
+static StyStatus check_light(const StyChannels *channels, const StyBlock *block, const StySamples *samples, int x,
+                             int y, StyError *error) {
+  const StyLane *lanes = (const StyLane *)(const void *)samples;
+  for (int c = 0; c < channels->count; c++)
+    for (int i = 0; i < STY_RAYS; i++) {
+      const double value = lanes[channels->channels[c].lane][i];
+      if (block->valid[i] && !(fabs(value) <= (double)FLT_MAX))
+        return sty_fail(error, STY_ERROR_INPUT, "%s: found %g at pixel (%d, %d), expected at most %g: less light",
+                        channels->channels[c].name, value, x + i % STY_BLOCK_WIDTH, y + i / STY_BLOCK_WIDTH,
+                        (double)FLT_MAX);
+    }
+  return STY_OK;
 }
 
 /* ---- tiles ---- */
@@ -93,8 +110,19 @@ enum { ROWS_ABOVE = 1 };
 
 static int count_tiles(int side) { return (side + TILE - 1) / TILE; }
 
+static StyStatus trace_strip(const Band *band, int x0, int y, int right, Bench *bench, StyError *error) {
+  const Render *render = band->render;
+  StyStatus status = STY_OK;
+  for (int x = x0; x < right && !status; x += STY_BLOCK_WIDTH) {
+    if (!look_at_block(render, x, band->first + y, bench)) continue;
+    if (render->groups & STY_LIT)
+      status = check_light(&render->channels, &bench->block, &bench->samples, x, band->first + y, error);
+    render->kernels->set_samples(&render->channels, x - x0, bench->block.valid, &bench->samples, &bench->strip);
+  }
+  return status;
+}
+
 static StyStatus trace_tile(void *context, long tile, StyError *error) {
-  (void)error;
   const Band *band = context;
   const Render *render = band->render;
   const int width = render->options->width, columns = count_tiles(width);
@@ -104,18 +132,17 @@ static StyStatus trace_tile(void *context, long tile, StyError *error) {
   memset(&bench.block, 0, sizeof bench.block);
   memset(&bench.samples, 0, sizeof bench.samples);
   EACH_LANE bench.samples.coverage[i] = 1;
-  for (int y = y0; y < bottom; y += STY_BLOCK_HEIGHT) {
+  StyStatus status = STY_OK;
+  for (int y = y0; y < bottom && !status; y += STY_BLOCK_HEIGHT) {
     sty_expect_strip(band->guide, x0, y);
     if (render->sources.image) sty_expect_strip(&render->sources, x0, y + ROWS_ABOVE);
     sty_clear_strip(&render->channels, &bench.strip);
     const bool in_sight = sty_is_in_sight(&render->film, x0, band->first + y, TILE, STY_BLOCK_HEIGHT);
-    for (int x = x0; in_sight && x < right; x += STY_BLOCK_WIDTH)
-      if (look_at_block(render, x, band->first + y, &bench))
-        render->kernels->set_samples(&render->channels, x - x0, bench.block.valid, &bench.samples, &bench.strip);
+    if (in_sight) status = trace_strip(band, x0, y, right, &bench, error);
     sty_write_strip(&bench.strip, x0, y, band->guide);
     if (render->sources.image) sty_write_strip(&bench.strip, x0, y + ROWS_ABOVE, &render->sources);
   }
-  return STY_OK;
+  return status;
 }
 
 static void draw_contours(const Band *band, int threads) {
@@ -158,6 +185,7 @@ static StyStatus trace_band(void *context, int first, const StyGuide *guide, con
   StyStatus status = outlined ? prepare_outlines(render, &band, error) : STY_OK;
   const long tiles = (long)count_tiles(guide->image->width) * count_tiles(band.rows);
   if (!status) status = sty_parallel_for(run, tiles, trace_tile, &band, error);
+  if (!status && render->palette) status = sty_check_palette(render->palette, error);
   if (!status && outlined) draw_contours(&band, sty_get_threads(run));
   return status;
 }
@@ -175,8 +203,11 @@ static StyStatus check_camera(const StyCamera *camera, StyError *error) {
   return STY_OK;
 }
 
-static StyStatus check_options(const StyScene *scene, const StyTraceOptions *options, StyError *error) {
+StyStatus sty_check_trace(const StyScene *scene, const StyCamera *camera, const StyTraceOptions *options,
+                          StyError *error) {
   const int samples = options->paths.samples;
+  StyStatus status = check_camera(camera, error);
+  if (status) return status;
   if (options->width < 1 || options->height < 1)
     return sty_fail(error, STY_ERROR_INPUT, "guide: found %dx%d pixels, expected at least 1x1", options->width,
                     options->height);
@@ -186,29 +217,26 @@ static StyStatus check_options(const StyScene *scene, const StyTraceOptions *opt
   if (!(options->groups & STY_GUIDE_MOTION)) return STY_OK;
   if (!options->previous.scene)
     return sty_fail(error, STY_ERROR_USAGE, "channel motion: found no previous scene, expected one");
-  const StyStatus status = sty_check_alike(scene, options->previous.scene, error);
+  status = sty_check_alike(scene, options->previous.scene, error);
   return status ? status : check_camera(options->previous.camera, error);
 }
-
-/* The channels that the surfaces' colours, and their light, go into. */
-enum { LIT = STY_GUIDE_LUMA | STY_GUIDE_PATHS, COLOURED = LIT | STY_GUIDE_ALBEDO };
 
 /* What of a hit the channels are made from. */
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
-  const bool textured = scene->texture_count > 0 && groups & COLOURED;
-  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | LIT)) parts |= STY_HIT_SHADING;
+  const bool textured = scene->texture_count > 0 && groups & STY_COLOURED;
+  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_LIT)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
-  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | COLOURED)) parts |= STY_HIT_OWNER;
+  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | STY_COLOURED)) parts |= STY_HIT_OWNER;
+  if (groups & STY_LIT) parts |= STY_HIT_LEAVE;
   return parts;
 }
 
 static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *times, StyError *error) {
   const StyScene *scene = render->scene;
   const StyTraceOptions *options = render->options;
-  StyStatus status = check_camera(render->camera, error);
-  if (!status) status = check_options(scene, options, error);
+  StyStatus status = sty_check_trace(scene, render->camera, options, error);
   render->groups = options->groups;
   if (options->groups & STY_GUIDE_CONTOUR) render->groups |= STY_CONTOUR_SOURCES;
   render->channels = sty_list_channels(render->groups);
@@ -217,7 +245,7 @@ static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *t
   render->sight = (StySight){scene, render->camera, render->groups, options->flat, options->ray_frame};
   render->width = 2 * render->camera->half_height / options->height;
   if (!render->camera->perspective) render->width /= scene->scale;
-  if (!status && options->groups & COLOURED)
+  if (!status && options->groups & STY_COLOURED)
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
   if (!status) status = sty_open_film(scene, render->camera, options->width, options->height, &render->film, error);
   const double start = sty_get_milliseconds();
@@ -245,17 +273,18 @@ StyStatus sty_trace_rows(const StyScene *scene, const StyCamera *camera, const S
                          const StyRun *run, const StyRowSink *sink, StyTraceTimes *times, StyError *error) {
   Render render = {.scene = scene, .camera = camera, .options = options};
   StyTraceTimes found = {0};
+  StyBandTimes filled = {0};
   StyStatus status = open_render(&render, run, &found, error);
-  const double start = sty_get_milliseconds();
   const StyBands bands = {.width = options->width,
                           .height = options->height,
                           .groups = options->groups,
                           .fill = trace_band,
                           .context = &render};
-  if (!status) status = sty_stream_bands(&bands, run, sink, &found.first_ms, error);
+  if (!status) status = sty_stream_bands(&bands, run, sink, &filled, error);
   close_render(&render);
   if (status) return status;
-  found.trace_ms = sty_get_milliseconds() - start;
+  found.first_ms = filled.first_ms;
+  found.trace_ms = filled.fill_ms;
   if (times) *times = found;
   return STY_OK;
 }

@@ -18,6 +18,24 @@ static void set_cofactors(const double transform[3][4], double out[3][3]) {
   for (int i = 0; i < 3; i++) cross_vectors(m[(i + 1) % 3], m[(i + 2) % 3], out[i]);
 }
 
+/* What floats round to, and the roundings that it takes to bring a ray to a surface and to find where they meet, with
+ * room to spare. */
+static const double FLOAT_STEP = 0x1p-24, ROUNDINGS = 8;
+
+/* What solving with a matrix makes of the roundings: the largest row of |M| |M^-1| (Skeel 1979), which is small for
+ * anything that only turns and scales along axes. `cofactors` are the inverse's transpose times the determinant. */
+static double get_condition(const double m[3][4], const double cofactors[3][3]) {
+  const double determinant = fabs(dot_vectors(m[0], cofactors[0]));
+  double most = 0;
+  for (int i = 0; i < 3; i++) {
+    double sum = 0;
+    for (int j = 0; j < 3; j++)
+      for (int k = 0; k < 3; k++) sum += fabs(m[i][k] * cofactors[j][k]);
+    most = fmax(most, sum);
+  }
+  return most / determinant;
+}
+
 StyPlaced sty_place_object(const StyScene *scene, const StyObject *object) {
   StyPlaced placed = {.mesh = scene->meshes[object->mesh], .object = object};
   sty_get_object_matrix(scene, object, placed.matrix);
@@ -26,9 +44,17 @@ StyPlaced sty_place_object(const StyScene *scene, const StyObject *object) {
   return placed;
 }
 
+static void set_slack(StyPlaced *placed) {
+  placed->slack = ROUNDINGS * FLOAT_STEP * get_condition(placed->object->transform, placed->cofactors);
+  for (int k = 0; k < 3; k++) placed->shift = fmax(placed->shift, fabs(placed->matrix[k][3]));
+}
+
 static StyBall place_sphere(const StyScene *scene, const StySphere *sphere) {
   StyBall ball = {.radius = sphere->radius * scene->scale, .sphere = sphere};
   sty_get_trace_point(scene, sphere->centre, ball.centre);
+  double reach = ball.radius;
+  for (int k = 0; k < 3; k++) reach = fmax(reach, ball.radius + fabs(ball.centre[k]));
+  ball.slack = ROUNDINGS * FLOAT_STEP * reach;
   return ball;
 }
 
@@ -37,11 +63,16 @@ static StyStatus place_all(StyTracer *tracer, const StyScene *scene, StyError *e
   tracer->model = scene;
   tracer->kernels = sty_get_kernels();
   tracer->trees = calloc((size_t)scene->mesh_count + 1, sizeof *tracer->trees);
+  tracer->users = calloc((size_t)scene->mesh_count + 1, sizeof *tracer->users);
   tracer->placed = malloc((objects + 1) * sizeof *tracer->placed);
   tracer->balls = malloc((spheres + 1) * sizeof *tracer->balls);
-  if (!tracer->trees || !tracer->placed || !tracer->balls)
+  if (!tracer->trees || !tracer->users || !tracer->placed || !tracer->balls)
     return sty_fail_memory(error, "scene", (double)objects * sizeof *tracer->placed);
-  for (size_t o = 0; o < objects; o++) tracer->placed[o] = sty_place_object(scene, &scene->objects[o]);
+  for (size_t o = 0; o < objects; o++) {
+    tracer->placed[o] = sty_place_object(scene, &scene->objects[o]);
+    set_slack(&tracer->placed[o]);
+    tracer->users[scene->objects[o].mesh]++;
+  }
   for (size_t s = 0; s < spheres; s++) tracer->balls[s] = place_sphere(scene, &scene->spheres[s]);
   return STY_OK;
 }
@@ -132,13 +163,14 @@ static RTCGeometry make_spheres(const StyTracer *tracer) {
   return geometry;
 }
 
-/* Object o is geometry o, as it is or as an instance of its mesh's tree; all spheres are the one after them. */
+/* Object o is geometry o, as it is or, moved or not the only one, as an instance of its mesh's tree; all spheres are
+ * the one after them. */
 static void attach_all(StyTracer *tracer) {
   const StyScene *model = tracer->model;
   for (int o = 0; o < model->object_count; o++) {
     const StyPlaced *placed = &tracer->placed[o];
     RTCScene *tree = &tracer->trees[placed->object->mesh];
-    if (placed->is_unmoved) {
+    if (placed->is_unmoved && tracer->users[placed->object->mesh] == 1) {
       attach(tracer->scene, make_triangles(tracer, placed->mesh), (unsigned)o);
       continue;
     }
@@ -192,6 +224,7 @@ void sty_close_tracer(StyTracer **closed) {
   for (int m = 0; tracer->trees && m < tracer->model->mesh_count; m++)
     if (tracer->trees[m]) rtcReleaseScene(tracer->trees[m]);
   free(tracer->trees);
+  free(tracer->users);
   free(tracer->placed);
   free(tracer->balls);
   if (tracer->device) rtcReleaseDevice(tracer->device);

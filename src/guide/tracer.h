@@ -14,11 +14,13 @@ typedef struct StyPlaced {
   double matrix[3][4];    /* from the mesh's trace space */
   double cofactors[3][3]; /* for normals: proportional to the transform's inverse transpose */
   bool is_unmoved;        /* the matrix is the identity */
+  double slack;           /* how far off its points Embree may see it: as a share of `shift` and the points' numbers */
+  double shift;           /* the largest part of the matrix' translation */
 } StyPlaced;
 
 /* A sphere in the scene's trace space. */
 typedef struct StyBall {
-  double centre[3], radius;
+  double centre[3], radius, slack; /* as objects have it, in trace units */
   const StySphere *sphere;
 } StyBall;
 
@@ -26,6 +28,7 @@ struct StyTracer {
   RTCDevice device;
   RTCScene scene;
   RTCScene *trees;   /* 1 per mesh; NULL where no object needs it */
+  int *users;        /* objects of each mesh */
   StyPlaced *placed; /* 1 per object */
   StyBall *balls;    /* 1 per sphere */
   const StyScene *model;

@@ -8,8 +8,9 @@
 
 enum { BAND = 32 }; /* rows that are done at a time */
 
-/* Moments' determinant over their squared trace, below which points count as lying on a line. */
-static const double thinnest_overall = 1e-12, thinnest_nearby = 1e-14;
+/* Moments' determinant over their squared trace, about one over their condition number, below which points count as
+ * lying on a line: overall, a thousand times as long as it is wide, so that a slip of a pixel would move all. */
+static const double thinnest_overall = 1e-6, thinnest_nearby = 1e-14;
 
 /* ---- one place (section 2 of the paper) ----------------------------------------- */
 
@@ -173,20 +174,22 @@ static void read_field(const StyImage *field, const double at[2], double out[2])
   }
 }
 
+static bool is_inside(const double at[2], const StyImage *field) {
+  return at[0] >= 0 && at[0] <= field->width && at[1] >= 0 && at[1] <= field->height;
+}
+
 static void measure_residuals(const StyPairs *pairs, const StyImage *field, StyWarpFigures *figures) {
   double sum = 0;
   for (int i = 0; i < pairs->count; i++) {
     const StyPair *pair = &pairs->pairs[i];
-    if (!(pair->to[0] >= 0 && pair->to[0] <= field->width && pair->to[1] >= 0 && pair->to[1] <= field->height))
-      continue;
+    if (!is_inside(pair->to, field)) continue;
     double found[2];
     read_field(field, pair->to, found);
     const double x = found[0] - pair->from[0], y = found[1] - pair->from[1], residual = sqrt(x * x + y * y);
-    figures->measured++;
     sum += residual;
     figures->residual_max = fmax(figures->residual_max, residual);
   }
-  if (figures->measured) figures->residual_mean = sum / figures->measured;
+  figures->residual_mean = sum / figures->measured;
 }
 
 /* ---- the field ------------------------------------------------------------------ */
@@ -246,15 +249,13 @@ static StyStatus fill_field(const StyPairs *pairs, StyImage *field, const StyRun
   for (long b = 0; b < count; b++) bands[b] = no_figures;
   Warping warping = {pairs, field, bands};
   const StyStatus status = sty_parallel_for(run, count, run_band, &warping, error);
-  StyWarpFigures sum = no_figures;
   for (long b = 0; b < count; b++) {
-    sum.inside += bands[b].inside;
-    add_figures(&sum, &bands[b]);
+    figures->inside += bands[b].inside;
+    add_figures(figures, &bands[b]);
   }
   free(bands);
-  measure_residuals(pairs, field, &sum);
+  measure_residuals(pairs, field, figures);
   clear_misses(field);
-  *figures = sum;
   return status;
 }
 
@@ -277,29 +278,55 @@ static StyStatus check_points(const char *name, const StyPairs *pairs, StyError 
                   is_to ? "to" : "from", earlier, later);
 }
 
-/* Whether all `to` lie on a line, or near enough for a matrix to make no sense of them. */
-static bool are_collinear(const StyPairs *pairs, double *weights) {
-  StyPair centre = {{0, 0}, {0, 0}};
+/* Whether all `to`, or all `from`, lie on a line, or near enough for a matrix to make no sense of them. */
+static bool are_collinear(const StyPairs *pairs, bool is_to) {
+  double centre[2] = {0, 0}, xx = 0, xy = 0, yy = 0;
+  const double *first = is_to ? pairs->pairs[0].to : pairs->pairs[0].from;
   for (int i = 0; i < pairs->count; i++) {
-    weights[i] = 1;
-    for (int k = 0; k < 2; k++) centre.to[k] += (pairs->pairs[i].to[k] - pairs->pairs[0].to[k]) / pairs->count;
+    const double *at = is_to ? pairs->pairs[i].to : pairs->pairs[i].from;
+    for (int k = 0; k < 2; k++) centre[k] += (at[k] - first[k]) / pairs->count;
   }
-  const Moments m = sum_moments(pairs, weights, &pairs->pairs[0], &centre);
-  const double trace = m.xx + m.yy;
-  return !(m.xx * m.yy - m.xy * m.xy > thinnest_overall * trace * trace);
+  for (int i = 0; i < pairs->count; i++) {
+    const double *at = is_to ? pairs->pairs[i].to : pairs->pairs[i].from;
+    const double x = at[0] - first[0] - centre[0], y = at[1] - first[1] - centre[1];
+    xx += x * x, xy += x * y, yy += y * y;
+  }
+  return !(xx * yy - xy * xy > thinnest_overall * (xx + yy) * (xx + yy));
 }
 
-static StyStatus check_pairs(const char *name, const StyPairs *pairs, double *weights, StyError *error) {
+static StyStatus check_affine(const char *name, const StyPairs *pairs, StyError *error) {
+  for (int is_to = 1; is_to >= 0 && pairs->kind == STY_WARP_AFFINE; is_to--)
+    if (are_collinear(pairs, is_to))
+      return sty_fail(error, STY_ERROR_INPUT,
+                      "%s: found %d point%s '%s' on one line, to a thousandth of its length, for kind affine, expected "
+                      "three that aren't, or kind similarity or rigid",
+                      name, pairs->count, pairs->count == 1 ? "" : "s", is_to ? "to" : "from");
+  return STY_OK;
+}
+
+static StyStatus check_pairs(const char *name, const StyPairs *pairs, StyError *error) {
   if (!(pairs->alpha >= STY_MIN_WARP_ALPHA && pairs->alpha <= STY_MAX_WARP_ALPHA))
     return sty_fail(error, STY_ERROR_USAGE, "%s: found alpha = %g, expected a number from %g to %g", name, pairs->alpha,
                     STY_MIN_WARP_ALPHA, STY_MAX_WARP_ALPHA);
   const StyStatus status = check_points(name, pairs, error);
-  if (status || pairs->kind != STY_WARP_AFFINE || !are_collinear(pairs, weights)) return status;
-  return sty_fail(
-      error, STY_ERROR_INPUT,
-      "%s: found %d point%s 'to' on one line for kind affine, expected three that aren't, or kind similarity "
-      "or rigid",
-      name, pairs->count, pairs->count == 1 ? "" : "s");
+  return status ? status : check_affine(name, pairs, error);
+}
+
+/* A field that no pair lies in would be made up all over. */
+static StyStatus count_outside(const char *name, const StyPairs *pairs, const StyImage *field, StyWarpFigures *figures,
+                               StyError *error) {
+  for (int i = 0; i < pairs->count; i++) {
+    const StyPair *pair = &pairs->pairs[i];
+    figures->measured += is_inside(pair->to, field);
+    if (is_inside(pair->to, field) && is_inside(pair->from, field)) continue;
+    if (!figures->outside++) figures->first_outside = i;
+  }
+  if (figures->measured) return STY_OK;
+  const double *to = pairs->pairs[0].to;
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "%s: found none of %d pairs inside the picture, the first 'to' at (%g, %g) of %dx%d pixels, expected "
+                  "pairs in pixels of this size, or units \"normalized\"",
+                  name, pairs->count, to[0], to[1], field->width, field->height);
 }
 
 StyStatus sty_make_warp_guide(const char *name, const StyPairs *pairs, int width, int height, const StyRun *run,
@@ -309,10 +336,9 @@ StyStatus sty_make_warp_guide(const char *name, const StyPairs *pairs, int width
     return sty_fail(error, STY_ERROR_INPUT, "%s: found %d pairs, expected 1 to %d", name, pairs->count, STY_MAX_PAIRS);
   const size_t count = (size_t)pairs->count;
   StyPairs scaled = *pairs;
-  double *weights = malloc(count * sizeof *weights);
   scaled.pairs = malloc(count * sizeof *scaled.pairs);
-  StyStatus status = weights && scaled.pairs ? check_pairs(name, pairs, weights, error)
-                                             : sty_fail_memory(error, name, (double)count * sizeof *scaled.pairs);
+  StyStatus status = scaled.pairs ? check_pairs(name, pairs, error)
+                                  : sty_fail_memory(error, name, (double)count * sizeof *scaled.pairs);
   const double sides[2] = {pairs->normalized ? width : 1, pairs->normalized ? height : 1};
   for (size_t i = 0; !status && i < count; i++)
     for (int k = 0; k < 2; k++) {
@@ -320,8 +346,9 @@ StyStatus sty_make_warp_guide(const char *name, const StyPairs *pairs, int width
       scaled.pairs[i].to[k] = pairs->pairs[i].to[k] * sides[k];
     }
   StyImage *field = NULL;
-  StyWarpFigures found;
+  StyWarpFigures found = no_figures;
   if (!status) status = sty_create_image(width, height, 3, names, 32, &field, error);
+  if (!status) status = count_outside(name, &scaled, field, &found, error);
   if (!status) status = fill_field(&scaled, field, run, &found, error);
   if (!status && figures) *figures = found;
   if (status)
@@ -329,6 +356,5 @@ StyStatus sty_make_warp_guide(const char *name, const StyPairs *pairs, int width
   else
     *out = field;
   free(scaled.pairs);
-  free(weights);
   return status;
 }

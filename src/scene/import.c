@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "scene/faults.h"
 #include "scene/fit.h"
@@ -39,6 +40,12 @@ typedef struct Frame {
   double scale;
 } Frame;
 
+/* What importers only tell their log. */
+typedef struct Log {
+  bool bad_indices;     /* some drop faces with them, or bend them to other vertices */
+  char *lost_materials; /* the first material file that isn't there; owned */
+} Log;
+
 typedef struct Import {
   const char *path;
   const struct aiScene *file;
@@ -48,6 +55,7 @@ typedef struct Import {
   size_t triangle_count; /* of all parts, degenerate ones too */
   bool keep_normals;
   bool has_uvs; /* some part has */
+  Log log;
 } Import;
 
 /* ---- reading ---- */
@@ -58,7 +66,7 @@ static const char *find_extension(const char *path) {
 }
 
 bool sty_is_mesh_file(const char *path) {
-  static const char *const KNOWN[] = {"obj", "ply", "stl", "gltf", "glb", "off"};
+  static const char *const KNOWN[] = {"obj", "ply", "stl", "gltf", "glb", "fbx", "off"};
   const char *extension = find_extension(path);
   for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
     if (strcasecmp(extension, KNOWN[i]) == 0) return true;
@@ -68,7 +76,7 @@ bool sty_is_mesh_file(const char *path) {
 static StyStatus check_extension(const char *path, StyError *error) {
   if (sty_is_mesh_file(path)) return STY_OK;
   return sty_fail(error, STY_ERROR_INPUT,
-                  "%s: found the file ending '%s', expected .obj, .ply, .stl, .gltf, .glb or .off", path,
+                  "%s: found the file ending '%s', expected .obj, .ply, .stl, .gltf, .glb, .fbx or .off", path,
                   find_extension(path));
 }
 
@@ -163,20 +171,23 @@ static StyStatus cut_polygons(Import *import, StyError *error) {
   return import->file ? STY_OK : fail_library(import->path, error);
 }
 
-/* Some importers drop faces with bad indices, or bend them to other vertices,
- * and only tell their log. */
 static void watch_log(const char *message, char *user) {
-  if (strstr(message, "out of range") || strstr(message, "out-of-range")) *(bool *)(void *)user = true;
+  static const char lost[] = "Unable to locate material file ";
+  Log *log = (Log *)(void *)user;
+  if (strstr(message, "out of range") || strstr(message, "out-of-range")) log->bad_indices = true;
+  const char *found = strstr(message, lost);
+  if (!found || log->lost_materials) return;
+  found += strlen(lost);
+  log->lost_materials = strndup(found, strcspn(found, "\r\n"));
 }
 
 static StyStatus load_file(Import *import, StyError *error) {
-  bool bad_indices = false;
-  struct aiLogStream log = {watch_log, (char *)(void *)&bad_indices};
-  aiAttachLogStream(&log);
+  struct aiLogStream stream = {watch_log, (char *)(void *)&import->log};
+  aiAttachLogStream(&stream);
   import->file = aiImportFile(import->path, 0);
-  aiDetachLogStream(&log);
+  aiDetachLogStream(&stream);
   if (!import->file) return fail_library(import->path, error);
-  if (bad_indices)
+  if (import->log.bad_indices)
     return sty_fail(error, STY_ERROR_INPUT, "%s: a face asks for a vertex that the file does not hold", import->path);
   StyStatus status = check_meshes(import, error);
   return status == STY_OK ? cut_polygons(import, error) : status;
@@ -384,35 +395,60 @@ static bool name_texture(const struct aiMaterial *material, struct aiString *nam
   return false;
 }
 
-/* One inside the file, called "*0" and so on, as it is packed there: no height means a picture's file of so many bytes.
- */
-static StyPicture copy_inner_texture(const Import *import, const struct aiString *name) {
-  const unsigned long number = strtoul(name->data + 1, NULL, 10);
+/* The number of the picture inside the file that is called "*0" and so on or, in FBX, by the name of the file that it
+ * once was; their count: there is none. */
+static unsigned find_inner_texture(const Import *import, const struct aiString *name) {
+  const struct aiScene *file = import->file;
+  if (name->data[0] == '*') {
+    const unsigned long number = strtoul(name->data + 1, NULL, 10);
+    return number < file->mNumTextures ? (unsigned)number : file->mNumTextures;
+  }
+  for (unsigned t = 0; t < file->mNumTextures; t++)
+    if (file->mTextures[t]->mFilename.length && strcmp(file->mTextures[t]->mFilename.data, name->data) == 0) return t;
+  return file->mNumTextures;
+}
+
+/* As it is packed there: no height means a picture's file of so many bytes. */
+static StyPicture copy_inner_texture(const Import *import, unsigned number) {
   const struct aiTexture *inner = number < import->file->mNumTextures ? import->file->mTextures[number] : NULL;
   if (!inner || inner->mHeight > 0 || inner->mWidth == 0) return (StyPicture){0};
   StyPicture picture = {.bytes = malloc(inner->mWidth), .size = inner->mWidth};
   if (picture.bytes) memcpy(picture.bytes, inner->pcData, picture.size);
-  if (!picture.bytes || asprintf(&picture.path, "%s: picture %lu", import->path, number + 1) < 0) {
+  if (!picture.bytes || asprintf(&picture.path, "%s: picture %u", import->path, number + 1) < 0) {
     free(picture.bytes);
     return (StyPicture){0};
   }
   return picture;
 }
 
-/* One beside the file. */
+/* One beside the file: where the name says or, where nothing is there, by the last part of the name, as FBX files tend
+ * to hold paths of the computer that they were made on. */
 static StyPicture find_outer_texture(const char *path, struct aiString *name) {
   for (char *c = name->data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
+  const char *slash = strrchr(name->data, '/');
   char *folder = sty_get_folder(path);
-  const StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL};
+  StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL, .named_by = strdup(path)};
+  char *beside = folder && slash ? sty_join_path(folder, slash + 1) : NULL;
+  if (beside && picture.path && access(picture.path, F_OK) != 0 && access(beside, F_OK) == 0) {
+    char *const nowhere = picture.path;
+    picture.path = beside;
+    beside = nowhere;
+  }
+  free(beside);
   free(folder);
-  return picture;
+  if (picture.path && picture.named_by) return picture;
+  free(picture.path);
+  free(picture.named_by);
+  return (StyPicture){0};
 }
 
 /* The picture of a part's material; without a path: none. */
 static StyPicture find_texture(const Import *import, const struct aiMaterial *material) {
   struct aiString name;
   if (!name_texture(material, &name)) return (StyPicture){0};
-  return name.data[0] == '*' ? copy_inner_texture(import, &name) : find_outer_texture(import->path, &name);
+  const unsigned inner = find_inner_texture(import, &name);
+  const bool is_inner = inner < import->file->mNumTextures || name.data[0] == '*';
+  return is_inner ? copy_inner_texture(import, inner) : find_outer_texture(import->path, &name);
 }
 
 /* The number of the mesh's texture that this is, which is taken over. */
@@ -420,6 +456,7 @@ static int number_texture(StyMesh *mesh, StyPicture *picture) {
   for (int t = 0; t < mesh->texture_count; t++)
     if (strcmp(mesh->textures[t].path, picture->path) == 0) {
       free(picture->path);
+      free(picture->named_by);
       free(picture->bytes);
       return t;
     }
@@ -429,7 +466,8 @@ static int number_texture(StyMesh *mesh, StyPicture *picture) {
 
 /* Of the formats that have materials; of others the importer makes grey ones up. */
 static bool has_materials(const char *path) {
-  return strcasecmp(find_extension(path), "obj") == 0 || strncasecmp(find_extension(path), "gl", 2) == 0;
+  return strcasecmp(find_extension(path), "obj") == 0 || strcasecmp(find_extension(path), "fbx") == 0 ||
+         strncasecmp(find_extension(path), "gl", 2) == 0;
 }
 
 /* White for what the file says nothing of, where the importer would say grey. */
@@ -492,6 +530,7 @@ StyStatus sty_import_mesh(const char *path, bool keep_normals, StyMesh **out, St
   StyStatus status = mesh->path ? read_file(&import, error) : sty_fail_memory(error, path, (double)strlen(path));
   if (status == STY_OK) status = list_parts(&import, error);
   if (status == STY_OK) status = build_mesh(&import, mesh, error);
+  mesh->lost_materials = import.log.lost_materials;
   release_import(&import);
   if (status == STY_OK)
     *out = mesh;

@@ -41,6 +41,12 @@ static bool allocate_arrays(StyMesh *mesh, bool has_uvs, bool has_parts) {
          (!has_parts || mesh->part_ids) && mesh->paints && mesh->textures;
 }
 
+static void send_text(StyPipe *pipe, const char *text) {
+  const size_t length = text ? strlen(text) : 0;
+  sty_send(pipe, &length, sizeof length);
+  sty_send(pipe, text, length);
+}
+
 static void send_mesh(const void *context, StyPipe *pipe) {
   const StyMesh *mesh = ((const Reading *)context)->mesh;
   sty_send(pipe, mesh, sizeof *mesh); /* whose pointers only say what is there */
@@ -52,21 +58,26 @@ static void send_mesh(const void *context, StyPipe *pipe) {
   sty_send(pipe, mesh->paints, (size_t)mesh->part_count * sizeof *mesh->paints);
   for (int t = 0; t < mesh->texture_count; t++) {
     const StyPicture *picture = &mesh->textures[t];
-    const size_t length = strlen(picture->path);
-    sty_send(pipe, &length, sizeof length);
-    sty_send(pipe, picture->path, length);
+    send_text(pipe, picture->path);
+    send_text(pipe, picture->named_by);
     sty_send(pipe, &picture->size, sizeof picture->size);
     sty_send(pipe, picture->bytes, picture->size);
   }
+  send_text(pipe, mesh->lost_materials);
 }
 
-enum { MOST_PATH_BYTES = 1 << 20, MOST_PICTURE_BYTES = 1 << 30 };
+enum { MOST_TEXT_BYTES = 1 << 20, MOST_PICTURE_BYTES = 1 << 30 };
+
+static bool receive_text(StyPipe *pipe, char **out) {
+  size_t length = 0;
+  if (!sty_receive(pipe, &length, sizeof length) || length > MOST_TEXT_BYTES) return false;
+  if (length == 0) return true; /* no text */
+  *out = calloc(length + 1, 1);
+  return *out && sty_receive(pipe, *out, length);
+}
 
 static bool receive_picture(StyPipe *pipe, StyPicture *out) {
-  size_t length = 0;
-  if (!sty_receive(pipe, &length, sizeof length) || length > MOST_PATH_BYTES) return false;
-  out->path = calloc(length + 1, 1);
-  if (!out->path || !sty_receive(pipe, out->path, length)) return false;
+  if (!receive_text(pipe, &out->path) || !out->path || !receive_text(pipe, &out->named_by)) return false;
   if (!sty_receive(pipe, &out->size, sizeof out->size) || out->size > MOST_PICTURE_BYTES) return false;
   if (out->size) out->bytes = malloc(out->size);
   return out->size == 0 || (out->bytes && sty_receive(pipe, out->bytes, out->size));
@@ -80,7 +91,7 @@ static bool receive_arrays(StyPipe *pipe, StyMesh *mesh) {
                (!mesh->part_ids || sty_receive(pipe, mesh->part_ids, mesh->triangle_count * sizeof *mesh->part_ids)) &&
                sty_receive(pipe, mesh->paints, (size_t)mesh->part_count * sizeof *mesh->paints);
   for (int t = 0; whole && t < mesh->texture_count; t++) whole = receive_picture(pipe, &mesh->textures[t]);
-  return whole;
+  return whole && receive_text(pipe, &mesh->lost_materials);
 }
 
 /* An importer that wrote where it shouldn't may have sent anything. */
@@ -110,6 +121,7 @@ static StyStatus receive_mesh(void *context, StyPipe *pipe, StyError *error) {
   if (whole) {
     *mesh = sent;
     mesh->textures = NULL; /* pointers are the child's until all are set */
+    mesh->lost_materials = NULL;
     mesh->path = strdup(reading->path);
     if (!allocate_arrays(mesh, sent.uvs, sent.part_ids) || !mesh->path)
       return sty_fail_memory(error, reading->path, 36.0 * (double)mesh->vertex_count);
@@ -177,6 +189,7 @@ double sty_get_mesh_bytes(const StyMesh *mesh) {
 void sty_destroy_pictures(StyPicture *pictures, int count) {
   for (int p = 0; pictures && p < count; p++) {
     free(pictures[p].path);
+    free(pictures[p].named_by);
     free(pictures[p].bytes);
   }
   free(pictures);
@@ -185,6 +198,7 @@ void sty_destroy_pictures(StyPicture *pictures, int count) {
 void sty_destroy_mesh(StyMesh **mesh) {
   if (!mesh || !*mesh) return;
   free((*mesh)->path);
+  free((*mesh)->lost_materials);
   free((*mesh)->positions);
   free((*mesh)->normals);
   free((*mesh)->uvs);

@@ -29,9 +29,10 @@ typedef struct Smoothing {
   unsigned char *shared; /* 1: surfaces meet at this point without being smooth there */
 } Smoothing;
 
-/* An edge of a fan: to which point, and on which of its corners' triangles. */
+/* An edge of a fan: to which point, on which of its corners' triangles, and whether that runs along it outward. */
 typedef struct Spoke {
   uint32_t to, corner;
+  bool outward;
 } Spoke;
 
 /* The corners at a point, numbered from 0. */
@@ -191,8 +192,8 @@ static void spread_fan(const Smoothing *s, size_t point, Fan *fan) {
   for (uint32_t i = 0; i < fan->count; i++) {
     const uint32_t corner = fan->corners[i], next = sty_next_corner(corner);
     get_facet(s->mesh, corner, fan->facets[i]);
-    fan->spokes[2 * i] = (Spoke){get_point(s, next), i};
-    fan->spokes[2 * i + 1] = (Spoke){get_point(s, sty_next_corner(next)), i};
+    fan->spokes[2 * i] = (Spoke){get_point(s, next), i, true};
+    fan->spokes[2 * i + 1] = (Spoke){get_point(s, sty_next_corner(next)), i, false};
     fan->parents[i] = i;
   }
   sort_spokes(fan->spokes, 2 * fan->count);
@@ -210,8 +211,21 @@ static void set_normal(const double from[3], float out[3]) {
   for (int k = 0; k < 3; k++) out[k] = (float)from[k] + 0.0f;
 }
 
-static void smooth_point(Smoothing *s, size_t point, Fan *fan) {
+/* Edges of two triangles that run the same way along it; each is found at one of its ends. */
+static size_t count_clashes(const Fan *fan, size_t point) {
+  size_t clashes = 0;
+  const size_t count = 2 * fan->count;
+  for (size_t begin = 0, end; begin < count; begin = end) {
+    const Spoke *spokes = &fan->spokes[begin];
+    for (end = begin + 1; end < count && fan->spokes[end].to == spokes->to;) end++;
+    clashes += end - begin == 2 && spokes->to > point && spokes[0].outward == spokes[1].outward;
+  }
+  return clashes;
+}
+
+static void smooth_point(Smoothing *s, size_t point, Fan *fan, size_t *clashes) {
   spread_fan(s, point, fan);
+  *clashes += count_clashes(fan, s->first + point);
   for (size_t i = 1; i < fan->count; i++) s->shared[point] |= fan->parents[i] != fan->parents[0];
   for (size_t i = 0; i < fan->count && !s->shared[point]; i++) {
     float *normal = &s->mesh->normals[3 * (size_t)s->mesh->indices[fan->corners[i]]];
@@ -233,7 +247,10 @@ static StyStatus smooth_chunk(void *context, long chunk, StyError *error) {
   Fan fan = {0};
   const size_t begin = (size_t)chunk * CHUNK, end = begin + CHUNK < s->count ? begin + CHUNK : s->count;
   const StyStatus status = open_fan(&fan, find_largest_fan(s, begin, end), error);
-  for (size_t i = begin; i < end && !status; i++) smooth_point(s, i, &fan);
+  size_t clashes = 0;
+  for (size_t i = begin; i < end && !status; i++) smooth_point(s, i, &fan, &clashes);
+#pragma omp atomic
+  s->mesh->clashes += clashes;
   close_fan(&fan);
   return status;
 }
@@ -390,6 +407,7 @@ StyStatus sty_compute_normals(StyMesh *mesh, double crease_angle, const StyRun *
       .mesh = mesh, .vertex_capacity = mesh->vertex_count, .cosine = cos(crease_angle * (M_PI / 180)) - 1e-9};
   const size_t known = mesh->normals ? count_known(mesh) : 0;
   mesh->crease_angle = known ? -1 : crease_angle;
+  mesh->clashes = 0;
   if (known == mesh->vertex_count) return STY_OK;
   StyStatus status = number_points(&s, error);
   if (!status && !mesh->normals) mesh->normals = calloc(3 * mesh->vertex_count, sizeof *mesh->normals);

@@ -63,23 +63,23 @@ static StyStatus append_texture(StyScene *scene, const StyPicture *picture, StyE
   return status;
 }
 
-StyStatus sty_add_texture(StyScene *scene, const char *path, int *number, StyError *error) {
-  *number = find_texture(scene, path);
-  if (*number >= 0) return STY_OK;
-  *number = scene->texture_count;
-  const StyPicture picture = {.path = strdup(path)};
-  if (!picture.path) return sty_fail_memory(error, path, (double)strlen(path));
-  const StyStatus status = append_texture(scene, &picture, error);
-  if (status) free(picture.path);
-  return status;
-}
-
+/* Takes the picture over, unless it fails or the scene has it. */
 static StyStatus take_texture(StyScene *scene, StyPicture *picture, int *number, StyError *error) {
   *number = find_texture(scene, picture->path);
   if (*number >= 0) return STY_OK;
   *number = scene->texture_count;
   const StyStatus status = append_texture(scene, picture, error);
   if (!status) *picture = (StyPicture){0};
+  return status;
+}
+
+StyStatus sty_add_texture(StyScene *scene, const char *path, const char *named_by, int *number, StyError *error) {
+  StyPicture picture = {.path = strdup(path), .named_by = named_by ? strdup(named_by) : NULL};
+  const bool whole = picture.path && (!named_by || picture.named_by);
+  const StyStatus status =
+      whole ? take_texture(scene, &picture, number, error) : sty_fail_memory(error, path, (double)strlen(path));
+  free(picture.path);
+  free(picture.named_by);
   return status;
 }
 

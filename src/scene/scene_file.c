@@ -190,8 +190,10 @@ static StyStatus read_texture(Reading *reading, const StyPath *path, const json_
   const char *name = NULL;
   StyStatus status = sty_get_string(&reading->document, path, value, "texture", 0, &name, error);
   if (status || !name) return status;
-  char *texture = sty_join_path(reading->folder, name);
-  status = texture ? sty_add_texture(reading->scene, texture, out, error) : sty_fail_memory(error, name, 0);
+  char *texture = sty_join_path(reading->folder, name), key[128], named_by[STY_PLACE_SIZE];
+  sty_name_path(&(StyPath){path, "texture", 0}, key, sizeof key);
+  snprintf(named_by, sizeof named_by, "%.800s: %s", reading->document.name, key);
+  status = texture ? sty_add_texture(reading->scene, texture, named_by, out, error) : sty_fail_memory(error, name, 0);
   free(texture);
   return status;
 }

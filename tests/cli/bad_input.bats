@@ -575,6 +575,15 @@ full_stdout() {
   refuse 1 paint paint
   refuse 1 "--guide" --guide
   refuse 1 "guidee" guidee sphere
+  refuse 1 "'giude', expected a command that 'stylut --help' lists; did you mean 'guide'?" giude sphere
+  refuse 1 "did you mean 'scene'?" guide scnee mesh.obj -o out.exr
+  refuse 1 "did you mean 'strokes'?" guide stroke picture.png -o out.exr
+  refuse 1 "guide sphere: found behind options, expected 'stylut guide sphere' and then those" guide -s 8 sphere -o out.exr
+  local said
+  for command in paint x guidance; do
+    said=$("$STYLUT" $command 2>&1) || true
+    [[ $said != *'did you mean'* ]] || complain "$command: $said"
+  done
 }
 
 # What is wrong in options of a kind.
@@ -613,7 +622,8 @@ refuse_common_values() {
 
 @test "wrong option values: guide" {
   bring mesh.obj
-  prove guide sphere -s 8x9 -c normal --bits 16 -j 1 --format json --progress none -o out.exr
+  prove guide sphere -s 8x9 -c normal -j 1 --format json --progress none -o out.exr
+  prove guide sphere -s 8 --bits 16 -o out.png
   local sphere=(guide sphere -o out.exr) scene=(guide scene mesh.obj -o out.exr -s 8)
   refuse_values --size size '' "${sphere[@]}"
   refuse_values --channels choice 'normal,junk normal, ,normal normal,,depth NORMAL normal.X all,junk' "${sphere[@]}"
@@ -713,7 +723,7 @@ EOF
 
 @test "options that don't go together" {
   local option
-  bring guide.exr
+  bring guide.exr mesh.obj
   for option in '--trees 5' '--trees 4' '--checks 9' '--precision 0.5'; do
     # shellcheck disable=SC2086
     refuse 1 "${option%% *}" lut guide.exr -s 8 -o out.exr $option
@@ -730,9 +740,66 @@ EOF
     refuse 1 "${option%% *}" guide sphere -s 8 -o out.exr $option
   done
   prove guide sphere -s 8 -c normal -o out.png
-  refuse 1 --channels guide sphere -s 8 -c depth -o out.png
-  refuse 1 --fov guide scene mesh.obj -s 8 --fov 30 -o out.exr
+  refuse 1 'found depth for out.png, which holds normals only' guide sphere -s 8 -c depth -o out.png
+  refuse 1 'found all for out.png' guide sphere -s 8 -c all -o out.png
+  refuse 1 'found normal,depth for out.png' guide scene mesh.obj -s 8 -c normal,depth -o out.png
   refuse 1 --crease guide scene mesh.obj -s 8 --flat --crease 30 -o out.exr
+}
+
+# need EXPECTED OPTION... -- COMMAND...: the option is refused where it would change nothing.
+need() {
+  local expected=$1 option=("$2")
+  shift 2
+  while [ "$1" != -- ]; do
+    option+=("$1")
+    shift
+  done
+  shift
+  prove "$@"
+  beside refuse 1 "${option[0]}: found where it changes nothing, expected it with $expected" "$@" "${option[@]}"
+}
+
+@test "options that would change nothing" {
+  bring guide.exr guide.png mesh.obj
+  printf '{ "schema": "stylut-scene/1", "spheres": [ {} ] }' >scene.json
+  local scene=(guide scene mesh.obj -s 8 -o out.exr) option name
+  need 'an output that ends in .png' --bits 16 -- guide sphere -s 8 -o out.exr
+  need 'an output that ends in .png' --bits 8 -- "${scene[@]}"
+  need 'an output that ends in .png' --bits 16 -- guide import guide.png --as png -o out.exr
+  need 'an output that ends in .png' --bits 16 -- guide flow guide.png guide.png -o out.exr
+  need 'an output that ends in .png' --display 3 -- guide flow guide.png guide.png -o out.exr
+  need 'an output that ends in .exr' --previous mesh.obj -- guide scene mesh.obj -s 8 -o out.png
+  for name in depth position,object,style uv albedo curvature luma full; do
+    need 'the channel normal or contour' --flat -- "${scene[@]}" -c $name
+    need 'the channel normal or contour' --frame ray -- "${scene[@]}" --camera perspective -c $name
+  done
+  for name in depth position,object,style uv albedo; do
+    need 'the channel normal, contour, curvature or luma' --crease 30 -- "${scene[@]}" -c $name
+  done
+  need 'the channel contour' --contour-depth 2 -- "${scene[@]}"
+  need 'the channel contour' --contour-normal 2 -- "${scene[@]}" -c depth
+  need 'the channel albedo or luma, or one of light paths' --texture-filter bilinear -- "${scene[@]}"
+  need 'a channel of light paths: full' --spp 4 -- "${scene[@]}" -c all
+  need 'a channel of light paths: full' --seed 4 -- "${scene[@]}" -c all
+  need '--simplify auto' --max-error 2 -- "${scene[@]}"
+  need '--camera perspective' --fov 30 -- "${scene[@]}"
+  need '--camera perspective' --frame ray -- "${scene[@]}"
+  for option in '--view front' '--up z' '--camera perspective' '--margin 0' '--fov 30'; do
+    # shellcheck disable=SC2086
+    need 'a mesh: scene files have a camera' $option -- guide scene scene.json -s 8 -o out.exr
+  done
+  wait
+  # What they act on is enough.
+  for name in normal contour curvature luma full; do accept "${scene[@]}" --crease 30 -c $name; done
+  for name in albedo luma LIE; do accept "${scene[@]}" --texture-filter nearest -c $name; done
+  accept "${scene[@]}" --camera perspective --frame ray -c contour
+  accept guide scene scene.json -s 8 --frame ray -c normal -o out.exr
+  accept "${scene[@]}" --seed 1 --spp 2 -c LDE
+}
+
+@test "a sphere stands still" {
+  refuse 1 "found motion for the sphere, which stands still, expected it of 'stylut guide scene' with --previous" guide sphere -s 8 -c motion -o out.exr
+  refuse 1 "'--seed'" guide sphere -s 8 --seed 3 -o out.exr
 }
 
 @test "control characters in names are not echoed as they are" {

@@ -238,6 +238,11 @@ check_wrong() { # FILE U V MOST MOST-BY-A-PIXEL
     refuse 1 "${option%%=*}" "${good[@]}" "$option" -o out.exr
   done
   refuse 3 depth guide flow now.png before.png -c depth -o out.exr
+  for option in R,,G ,R R,; do
+    refuse 1 "channels: found an empty name in '$option'" guide flow now.png before.png -c "$option" -o out.exr
+  done
+  oiiotool truth.exr --cut 8x8+0+0 -o small.exr
+  refuse 3 'small.exr: found 8x8 pixels, and now.png has 160x120' guide flow now.png before.png --motion small.exr -o out.exr
 }
 
 @test "small pictures" {

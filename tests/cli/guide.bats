@@ -238,7 +238,24 @@ check_mirrored() { # OPTIONS
   expect "mirrored with $options" "$(cat wrong.txt)" ''
 }
 
-@test "scene: the same shape in OBJ, PLY, OFF and STL gives the same guide" {
+# write_fbx: t.obj, with a material whose picture is on another computer's disk.
+write_fbx() {
+  awk '
+    /^v / { points = points (n++ ? "," : "") $2 "," $3 "," $4 }
+    /^f / { corners = corners (m++ ? "," : "") ($2 - 1) "," ($3 - 1) "," (-$4) }
+    END {
+      print "; FBX 7.4.0 project file\nFBXHeaderExtension: {\n FBXHeaderVersion: 1003\n FBXVersion: 7400\n}\nObjects: {"
+      print " Geometry: 1, \"Geometry::t\", \"Mesh\" {\n  Vertices: *" 3 * n " {\n a: " points "\n }"
+      print "  PolygonVertexIndex: *" 3 * m " {\n a: " corners "\n }"
+      print "  LayerElementMaterial: 0 {\n MappingInformationType: \"AllSame\"\n ReferenceInformationType: \"IndexToDirect\"\n Materials: *1 {\n a: 0\n }\n }"
+      print "  Layer: 0 {\n LayerElement: {\n Type: \"LayerElementMaterial\"\n TypedIndex: 0\n }\n }\n }"
+      print " Model: 2, \"Model::t\", \"Mesh\" {\n Version: 232\n }"
+      print " Material: 3, \"Material::cloth\", \"\" {\n ShadingModel: \"phong\"\n }"
+      print " Texture: 4, \"Texture::cloth\", \"\" {\n FileName: \"D:\\art\\cloth.png\"\n RelativeFilename: \"..\\art\\cloth.png\"\n }"
+      print "}\nConnections: {\n C: \"OO\",1,2\n C: \"OO\",2,0\n C: \"OO\",3,2\n C: \"OP\",4,3,\"DiffuseColor\"\n}" }' t.obj
+}
+
+@test "scene: the same shape in OBJ, PLY, OFF, STL and FBX gives the same guide" {
   printf 'v 0 0 0\nv 1 0 0.2\nv 0 1 0\nv 0.3 0.3 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >t.obj
   printf 'OFF\n4 4 0\n0 0 0\n1 0 0.2\n0 1 0\n0.3 0.3 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n' >t.off
   {
@@ -251,12 +268,22 @@ check_mirrored() { # OPTIONS
     awk '/^v/ { p[++n] = $2 " " $3 " " $4 } /^f/ { print "facet normal 0 0 0\nouter loop"; for (k = 2; k <= 4; k++) print "vertex " p[$k]; print "endloop\nendfacet" }' t.obj
     echo 'endsolid t'
   } >t.stl
-  local ending
-  accept guide scene t.obj -s 32 -c all --view 40,30 --crease 0 --no-history -o obj.exr
-  for ending in off ply stl; do
-    accept guide scene t.$ending -s 32 -c all --view 40,30 --crease 0 --no-history -o $ending.exr
+  write_fbx >t.fbx
+  local ending channels=normal,depth,position,object,uv,curvature,contour
+  accept guide scene t.obj -s 32 -c $channels --view 40,30 --crease 0 --no-history -o obj.exr
+  for ending in off ply stl fbx; do
+    accept guide scene t.$ending -s 32 -c $channels --view 40,30 --crease 0 --no-history -o $ending.exr
     expect_same obj.exr $ending.exr
   done
+}
+
+@test "scene: a picture that an FBX file has elsewhere is looked for beside it" {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >t.obj
+  write_fbx >t.fbx
+  refuse 2 cloth.png guide scene t.fbx -s 8 -c albedo -o out.exr
+  oiiotool --create 2x2 3 --addc 0,1,0 -d uint8 -o cloth.png
+  accept guide scene t.fbx -s 8 -c albedo -o out.exr
+  expect colours "$(dump out.exr A,albedo.R,albedo.G,albedo.B | awk '$3 == 1 { print $4, $5, $6 }' | sort -u)" '0.000000000 1.000000000 0.000000000'
 }
 
 @test "the report as JSON" {
@@ -264,9 +291,9 @@ check_mirrored() { # OPTIONS
   expect schema "$(json - r.schema <<<"$output")" stylut-guide/1
   expect size "$(json - r.size <<<"$output")" '[64,48]'
   expect triangles "$(json - r.triangles <<<"$output")" "$(sed -n 's/^element face //p;/^end_header/q' <"$exemplars/creature.ply")"
-  expect keys "$(json - 'Object.keys(r).sort().join()' <<<"$output")" covered,mesh_bytes,mrays_per_s,peak_bytes,read_bytes,schema,size,time_ms,tree_bytes,triangles
-  expect times "$(json - 'Object.keys(r.time_ms).sort().join()' <<<"$output")" build,first,read,trace,write
-  expect 'numbers' "$(json - 'Object.values(r.time_ms).every(t => t >= 0) && r.peak_bytes > 1e6 && r.mrays_per_s > 0' <<<"$output")" true
+  expect keys "$(json - 'Object.keys(r).sort().join()' <<<"$output")" covered,mesh_bytes,mpixels_per_s,peak_bytes,read_bytes,schema,size,time_ms,tree_bytes,triangles
+  expect times "$(json - 'Object.keys(r.time_ms).sort().join()' <<<"$output")" build,first,read,render,trace,write
+  expect 'numbers' "$(json - 'Object.values(r.time_ms).every(t => t >= 0) && r.peak_bytes > 1e6 && r.mpixels_per_s > 0' <<<"$output")" true
 }
 
 @test "text reports, and silence with --quiet" {
@@ -299,7 +326,7 @@ check_history() { # ENDING
   accept info c.$ending --format json
   expect version "$(json - 'r.attributes["stylut:version"]' <<<"$output")" "$version"
   expect hash "$(json - 'r.attributes["stylut:input1"]' <<<"$output")" "$(sha256sum mesh.ply | cut -d' ' -f1)"
-  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide --view=30,10 --size=16 scene mesh.ply'
+  expect command "$(json - 'r.attributes["stylut:command"]' <<<"$output")" 'stylut guide scene --view=30,10 --size=16 mesh.ply'
   accept guide scene mesh.ply --view 30,10 -s 16 -o c.$ending --no-history
   accept info c.$ending --format json
   expect attributes "$(json - 'Object.keys(r.attributes).length' <<<"$output")" 0
@@ -338,7 +365,7 @@ END
   expect 'covered pixels' "$(awk '$3 == 1' pixels.txt | wc -l)" 12
   accept info scene.json
   expect_holds info "$output" 'scene.json: scene of 2 object(s) from 1 mesh(es), 24 triangles, and 1 sphere(s)'
-  expect_holds info "$output" 'object 2: mesh 1, 12 triangles, style 1, object.I 2'
+  expect_holds info "$output" 'object 2: ./cube.obj, 12 triangles, style 1, object.I 2'
   accept info scene.json --format json
   expect 'info as JSON' "$(json - '[r.kind, r.meshes, r.triangles, r.objects[0].style, r.spheres[0].id, r.minimum[0], r.maximum[1]].join()' <<<"$output")" scene,1,24,3,3,-3,3
   accept guide scene scene.json -s 8 -c all -o other.exr --dry-run
@@ -351,6 +378,61 @@ END
   mv scene.json cube.obj sub/
   accept guide scene sub/scene.json -s 8 -c all --no-history -o again.exr
   expect 'from elsewhere' "$(dump again.exr A,depth.Z,position.X,position.Y,object.I,style.I)" "$(cat pixels.txt)"
+}
+
+@test "a camera of the scene's own that looks away is named" {
+  make_scene
+  sed 's/"target": \[0, 0, 0\]/"target": [0, 0, 12]/' scene.json >away.json
+  accept_warned "no pixel's centre shows the scene, expected its camera, at (0, 0, 9), to look at it: it looks at (0, 0, 12)" \
+    guide scene away.json -s 8 -o out.exr
+  printf 'v 0 0 0\nv 1 1 0\nv 0.001 0 0\nf 1 3 2\n' >sliver.obj
+  accept_warned "no pixel's centre shows the mesh, expected more pixels or another view" guide scene sliver.obj --view 90,0 -s 8 -o out.exr
+}
+
+@test "info lists all that a scene file says" {
+  make_scene
+  accept guide sphere -s 8 -o skin.png
+  sed 's|"style": 3|"style": 3, "texture": "skin.png", "color": [0.5,1,1], "specular": 0.4|
+    s|"spheres"|"lights": [ { "type": "point", "position": [1,2,3], "intensity": 5 },\
+      { "type": "directional", "direction": [0,-1,0], "color": [1,0.5,0] } ], "ambient": 0.25, "shadows": false, "spheres"|' scene.json >full.json
+  accept info full.json
+  local line
+  while IFS= read -r line; do expect_holds info "$output" "$line"; done <<'END'
+  camera: placed, orthographic, at (0, 0, 9), looks at (0, 0, 0), up (0, 1, 0), height 8
+  light 1: point, position (1, 2, 3), intensity 5, color (1, 1, 1)
+  light 2: directional, direction (0, -1, 0), intensity 1, color (1, 0.5, 0)
+  ambient 0.25, shadows off
+    color (0.5, 1, 1), texture ./skin.png, specular 0.4, shininess 32
+    transform 1 0 0 -2, 0 1 0 -2, 0 0 1 0
+    color of its mesh's file
+  sphere 1: center (-2, 2, 0), radius 1, style 5, object.I 3
+  texture 1: ./skin.png
+END
+  accept info full.json --format json
+  expect camera "$(json - 'r.camera' <<<"$output")" '{"type":"orthographic","position":[0,0,9],"target":[0,0,0],"up":[0,1,0],"height":8}'
+  expect lights "$(json - 'r.lights.map(l => [l.type, l.position || l.direction, l.intensity, l.color].join()).join(" ")' <<<"$output")" \
+    'point,1,2,3,5,1,1,1 directional,0,-1,0,1,1,0.5,0'
+  expect light "$(json - '[r.ambient, r.shadows].join()' <<<"$output")" 0.25,false
+  expect objects "$(json - 'r.objects.map(o => [o.file, o.texture, o.color, o.specular, o.transform[3]].join()).join(" ")' <<<"$output")" \
+    './cube.obj,./skin.png,0.5,1,1,0.4,-2 ./cube.obj,,,0,2'
+  expect spheres "$(json - 'r.spheres.map(s => [s.center, s.radius, s.color].join()).join(" ")' <<<"$output")" -2,2,0,1,1,1,1
+  expect textures "$(json - 'r.textures.map(t => t.file + t.inside_mesh).join()' <<<"$output")" ./skin.pngfalse
+  sed 's/"camera": {[^}]*}/"camera": { "view": "30,20", "fov": 40 }/' scene.json >fit.json
+  accept info fit.json
+  expect_holds info "$output" 'camera: fitted, perspective, azimuth 30, elevation 20, up y, fov 40'
+}
+
+@test "info tells JSON files by their schema" {
+  printf '{ "schema": "stylut-pairs/1", "kind": "affine", "pairs": [ { "from": [1, 2], "to": [3, 4.5] } ] }' >pairs.json
+  accept info pairs.json
+  expect 'pairs as text' "$output" 'pairs.json: 1 pair of points, in pixels, warp affine, alpha 1
+  pair 1: from (1, 2) to (3, 4.5)'
+  accept info pairs.json --format json
+  expect 'pairs as JSON' "$(json - '[r.kind, r.warp, r.units, r.pairs[0].from, r.pairs[0].to].join()' <<<"$output")" pairs,affine,pixels,1,2,3,4.5
+  printf '{ "schema": "stylut-bundle/1" }' >manifest.json
+  refuse 3 'manifest.json:1:13: schema: found "stylut-bundle/1", expected one of "stylut-scene/1", "stylut-pairs/1"' info manifest.json
+  printf '{}' >nothing.json
+  refuse 3 'nothing.json:1:1: found an object, expected a key "schema"' info nothing.json
 }
 
 @test "a scene file that is wrong names its line and column" {

@@ -69,6 +69,20 @@ expect_guides_near() { # FOUND EXPECTED TOLERANCE
   accept compare masked.png guide.png --fail 0.005
 }
 
+@test "a picture that is no map of normals is warned of" {
+  oiiotool --pattern fill:topleft=0.2,0.3,0.1:topright=0.9,0.7,0.5:bottomleft=0.3,0.2,0.2:bottomright=0.6,0.6,0.4 40x30 3 -d uint8 -o photo.png
+  local options
+  for options in '' --flip-y; do
+    # shellcheck disable=SC2086
+    "$STYLUT" guide import photo.png --as png $options -o g.exr >/dev/null 2>said.txt
+    expect_match "warnings $options" "$(cat said.txt)" '^stylut: warning: photo.png: found normals more than 10 % off length 1 in 9[0-9.]+ % of the covered pixels, left as they are; expected a map of unit normals: is it another picture\?
+stylut: warning: photo.png: found normals facing away from the viewer in 100 % of the covered pixels'
+  done
+  # One pixel in a hundred is but an edge.
+  oiiotool --create 10x10 3 --addc 0.5,0.5,1 --box:color=0.5,0.5,0.5:fill=1 4,4,4,4 -d uint8 -o edge.png
+  accept_warned '1.00 % of the covered pixels, left as they are; expected unit normals, without anti-aliasing' guide import edge.png --as png -o g.exr
+}
+
 @test "what it took, assumed, and left out" {
   bring '*.exr' '*.json'
   oiiotool blender.exr guide.exr --ch object.I --chnames ViewLayer.Mist.Z --chappend -d float -o mist.exr
@@ -105,10 +119,12 @@ expect_guides_near() { # FOUND EXPECTED TOLERANCE
   refuse 1 --camera guide import houdini.exr --as houdini --space world -o out.exr
   refuse 2 missing.exr guide import missing.exr --as houdini -o out.exr
   refuse 2 missing.json guide import blender.exr --as blender --camera missing.json -o out.exr
-  refuse 3 'found no normals of blender among 4 channels (Pz, N.x, N.y, N.z), expected Normal.X' guide import houdini.exr --as blender -o out.exr
-  refuse 3 'found channel Pz, which is of houdini, expected channels of arnold' guide import houdini.exr --as arnold -o out.exr
-  refuse 3 'no normals' guide import houdini.exr --as png -o out.exr
-  refuse 3 'no normals' guide import guide.png --as pbrt -o out.exr
+  refuse 3 'found no normals of blender among 4 channels (Pz, N.x, N.y, N.z), expected Normal.X, Normal.Y and Normal.Z, or --as houdini' guide import houdini.exr --as blender -o out.exr
+  refuse 3 'found channel Pz, which is of houdini, expected channels of arnold, or --as houdini' guide import houdini.exr --as arnold -o out.exr
+  refuse 3 'R, G and B of 8 or 16 bit, or --as houdini' guide import houdini.exr --as png -o out.exr
+  refuse 3 'expected Ns.X, Ns.Y and Ns.Z, or --as png' guide import guide.png --as pbrt -o out.exr
+  oiiotool houdini.exr --chnames Z,N.x,N.y,N.z -o arnold.exr
+  refuse 3 'found channel Z, which is of arnold, expected channels of houdini, or --as arnold' guide import arnold.exr --as houdini -o out.exr
   head -c 600 houdini.exr >short.exr
   refuse 3 short.exr guide import short.exr --as houdini -o out.exr
   : >empty.exr

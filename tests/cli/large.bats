@@ -57,6 +57,13 @@ check_estimate() {
   check_estimate "$BATS_FILE_TMPDIR/torus.obj" -s 1024 -c normal
   check_estimate "$exemplars/creature.ply" -s 2048 -c all
   check_estimate "$exemplars/box/box.json" -s 64 -c paths --spp 1
+  # Wide pictures are what OpenEXR takes, textures what they are looked up in.
+  check_estimate "$exemplars/creature.ply" -s 16384x64 -c all
+  accept guide sphere -s 3000 -o texture.png
+  cat >scene.json <<'END'
+{ "schema": "stylut-scene/1", "spheres": [ { "center": [0, 0, 0], "radius": 1, "texture": "texture.png" } ] }
+END
+  check_estimate scene.json -s 1024 -c albedo
 }
 
 @test "--dry-run counts rays" {

@@ -45,7 +45,7 @@ skip_without_cgal() {
   write_cubes
   local view=(--view 30,20 --crease 120 -s 64 -c normal,depth,object --no-history)
   accept guide scene clean.off "${view[@]}" -o clean.exr
-  accept guide scene dirty.off "${view[@]}" -o dirty.exr
+  accept_warned 'neighbours wound against each other' guide scene dirty.off "${view[@]}" -o dirty.exr
   expect_other clean.exr dirty.exr
   accept guide scene dirty.off "${view[@]}" --repair -o repaired.exr --format json
   expect repair "$(get r.repair s.removed,turned,manifold)" '2 3 true'
@@ -103,7 +103,7 @@ skip_without_cgal() {
   awk 'BEGIN { srand(7); for (i = 0; i < 600; i++) printf "v %.4f %.4f %.4f\n", rand(), rand(), rand()
     for (i = 1; i <= 600; i += 3) print "f", i, i + 1, i + 2
     for (i = 1; i <= 300; i += 3) { print "f", i, i + 1, i + 3; print "f", i + 1, i, i + 5 } }' >soup.obj
-  accept guide scene soup.obj -s 48 -o soup.exr --format json
+  accept guide scene soup.obj -s 48 -o soup.exr --format json -q
   expect_less covered 200 "$(json - r.covered <<<"$output")"
   skip_without_cgal
   accept guide scene soup.obj -s 48 --repair -o repaired.exr --format json
@@ -195,4 +195,16 @@ END
   write_cubes
   refuse 5 CGAL guide scene dirty.off -s 8 --repair -o out.exr
   refuse 5 CGAL guide scene clean.off -s 8 --simplify auto -o out.exr
+}
+
+@test "neighbours that clash are warned of where normals are computed from them" {
+  # Two of the cube's triangles turned round, with nothing else wrong: one side's four edges clash.
+  write_off '0 2 3' '0 1 2' "${clean[@]:2}" >turned.off
+  write_off "${clean[@]}" >clean.off
+  accept_warned 'turned.off: found 4 edges' guide scene turned.off -s 16 -o out.exr
+  accept guide scene clean.off -s 16 -o out.exr
+  accept guide scene turned.off -s 16 -c depth,uv -o out.exr
+  accept guide scene turned.off -s 16 --flat -o out.exr
+  skip_without_cgal
+  accept guide scene turned.off -s 16 --repair -o out.exr
 }

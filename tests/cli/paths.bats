@@ -104,8 +104,8 @@ END_OF_SCENE
   for wrong in 0 -1 65537 1.5 64x '' nan 99999999999999999999; do
     refuse 1 --spp guide scene scene.json -s 8 -c full --spp="$wrong" -o out.exr
   done
-  refuse 1 'expected one in --channels' guide scene scene.json -s 8 -c normal --spp 4 -o out.exr
-  refuse 1 "'guide scene' only" guide sphere -s 8 -c full --spp 4 -o out.exr
+  refuse 1 'expected it with a channel of light paths' guide scene scene.json -s 8 -c normal --spp 4 -o out.exr
+  refuse 1 "'--spp'" guide sphere -s 8 -c full --spp 4 -o out.exr
   refuse 1 'LIE, paths or all' guide scene scene.json -s 8 -c lde -o out.exr
-  refuse 1 'found no normal' guide scene scene.json -s 8 -c full -o out.png
+  refuse 1 'holds normals only' guide scene scene.json -s 8 -c full -o out.png
 }

@@ -153,11 +153,51 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   for name in missing:2 folder:2 cut:3 text:3 empty:3; do
     write_textured ${name%:*}
     for channel in albedo luma full; do
-      refuse ${name#*:} ${name%:*}.png guide scene scene.json -s 8 -c $channel -o out.exr
+      refuse ${name#*:} "scene.json: spheres[0].texture: ./${name%:*}.png: " guide scene scene.json -s 8 -c $channel -o out.exr
     done
-    # Not asked for.
-    accept guide scene scene.json -s 8 -c normal,uv -o normal.exr
+    # Not asked for: a file that isn't there is a mistake all the same.
+    if [ ${name#*:} = 2 ]; then
+      accept_warned "scene.json: spheres[0].texture: ./${name%:*}.png: " guide scene scene.json -s 8 -c normal,uv -o normal.exr
+      accept_warned "./${name%:*}.png: " guide scene scene.json -s 8 --dry-run -o none.exr
+      accept_warned "./${name%:*}.png: " info scene.json
+    else
+      accept guide scene scene.json -s 8 -c normal,uv -o normal.exr
+    fi
   done
+}
+
+@test "textures of layers: the plain one by name, or none" {
+  accept guide sphere -s 40 -c normal,depth -o layers.exr
+  write_scene '"spheres": [ { "texture": "layers.exr" } ]'
+  refuse 3 'layers.exr: found the channels A, depth.Z, normal.X, normal.Y, normal.Z, expected R, G and B, or Y alone' \
+    guide scene scene.json -s 8 -c albedo -o out.exr
+}
+
+@test "textures and materials of meshes: who names what isn't there" {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl skin\nf 1/1 2/1 3/1\n' >body.obj
+  printf 'mtllib skin.mtl\n' | cat - body.obj >wall.obj
+  accept_warned 'wall.obj: found no material file skin.mtl' guide scene wall.obj -s 8 -o out.exr
+  accept_warned 'wall.obj: found no material file skin.mtl' guide scene wall.obj -s 8 -c albedo -o out.exr
+  printf 'newmtl skin\nmap_Kd skin.png\n' >skin.mtl
+  accept_warned 'wall.obj: ./skin.png: ' guide scene wall.obj -s 8 -o out.exr
+  refuse 2 'wall.obj: ./skin.png: ' guide scene wall.obj -s 8 -c albedo -o none.exr
+  write_scene '"objects": [ { "mesh": "wall.obj" } ]'
+  refuse 2 'wall.obj: ./skin.png: ' guide scene scene.json -s 8 -c albedo -o none.exr
+  accept guide sphere -s 8 -o skin.png
+  accept guide scene wall.obj -s 8 -c albedo -o out.exr
+}
+
+@test "textures on meshes without texture coordinates" {
+  write_cube >cube.obj
+  accept guide sphere -s 8 -o skin.png
+  write_scene '"objects": [ { "mesh": "cube.obj" }, { "mesh": "cube.obj", "texture": "skin.png" } ]'
+  accept_warned 'object 2: found a texture on ./cube.obj, which has no texture coordinates' guide scene scene.json -s 8 -c albedo -o out.exr
+  (echo 'mtllib skin.mtl'; echo 'usemtl skin'; cat cube.obj) >wall.obj
+  printf 'newmtl skin\nmap_Kd skin.png\n' >skin.mtl
+  accept_warned 'object 1: found a texture on wall.obj, which has no texture coordinates' guide scene wall.obj -s 8 -c albedo -o out.exr
+  # Painted over, the mesh's own doesn't count.
+  write_scene '"objects": [ { "mesh": "wall.obj", "color": [1, 0, 0] } ]'
+  accept guide scene scene.json -s 8 -c albedo -o out.exr
 }
 
 @test "meshes of a scene that hold nothing, or nothing with an area" {
@@ -175,4 +215,31 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   accept guide scene most.obj -s 16 -o most.exr --no-history
   accept guide scene cube.obj -s 16 -o cube.exr --no-history
   expect_same most.exr cube.exr
+}
+
+@test "nothing that a scene names is written over, whatever is asked of it" {
+  write_cube >cube.obj
+  sed -e '/^f/d' cube.obj >soft.obj
+  printf 'vt 0 0\nvt 1 0\nvt 1 1\nmtllib soft.mtl\nusemtl cloth\nf 1/1 2/2 4/3\nf 5/1 6/2 8/3\n' >>soft.obj
+  printf 'newmtl cloth\nmap_Kd cloth.exr\n' >soft.mtl
+  local name
+  for name in cloth ball last; do accept guide sphere -s 8 -o $name.exr; done
+  write_scene '"objects": [ { "mesh": "soft.obj" } ], "spheres": [ { "center": [0, 0, 0], "radius": 1, "texture": "ball.exr" } ]' now.json
+  write_scene '"objects": [ { "mesh": "soft.obj" } ], "spheres": [ { "center": [0, 0, 0], "radius": 1, "texture": "last.exr" } ]' then.json
+  for name in normal albedo; do
+    refuse 1 'which is an input' guide scene now.json -c $name -s 16 -o cloth.exr
+    refuse 1 'which is an input' guide scene now.json -c $name -s 16 -o ball.exr
+    refuse 1 'which is an input' guide scene soft.obj -c $name -s 16 -o cloth.exr
+  done
+  refuse 1 'which is an input' guide scene now.json --previous then.json -c motion -s 16 -o last.exr
+}
+
+@test "--dry-run refuses what tracing would" {
+  write_cube >cube.obj
+  write_scene '"objects": [ { "mesh": "cube.obj", "texture": "none.png" } ]' bare.json
+  write_scene '"objects": [ { "mesh": "cube.obj" }, { "mesh": "cube.obj" } ]' two.json
+  write_scene '"objects": [ { "mesh": "cube.obj" } ]' one.json
+  echo 'not a picture' >none.png
+  refuse 3 none.png guide scene bare.json -s 16 -c albedo --dry-run -o out.exr
+  refuse 3 'found 2 objects' guide scene one.json --previous two.json -s 16 -c motion --dry-run -o out.exr
 }

@@ -88,8 +88,12 @@ setup_file() {
   expect 'without an orientation' "$(json - 'r.levels.map(l => l.without_orientation).join()' <<<"$output")" 0,0,0,0,0,0,1
   expect 'percentiles in order' "$(json - 'r.levels.every(l => l.detail.p50 <= l.detail.p90 && l.detail.p90 <= l.detail.p99 && l.detail.p99 <= l.detail.max)' <<<"$output")" true
   accept guide strokes ramp.png -o g.exr
-  expect_match report "$output" '^g\.exr: 33x17, scene-linear values
+  expect_match report "$output" '^g\.exr: 33x17, level 0 of scene-linear values
 level '
+  accept guide strokes ramp.png --levels 3 --space srgb -o g.exr
+  expect_match levels "$output" '^g\.exr: 33x17, levels 0 to 2 of sRGB values'
+  accept guide strokes ramp.png --level 2 -o g.exr --format json
+  expect written "$(json - r.written <<<"$output")" '{"first":2,"last":2}'
   accept guide strokes ramp.png -o g.exr -q
   expect 'quiet report' "$output" ''
   rm g.exr

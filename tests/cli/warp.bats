@@ -75,8 +75,13 @@ END
   sed 's/"to": \[12.5, 9.5\]/"to": [35.5, 9.5]/' pairs.json >folded.json
   accept_warned folded guide warp folded.json -s 40x36 -o out.exr
   expect_match report "$output" 'folded +[1-9][0-9.]* %'
+  accept_warned 'found 2 of 3 pairs outside the picture, the first pairs[1] from (30.5, 8.5) to (29.5, 7.5), expected them in 30x29' \
+    guide warp pairs.json -s 30x29 -o out.exr
+  accept guide warp pairs.json -s 30x29 -o out.exr --format json -q
+  expect 'pairs outside' "$(json - r.outside <<<"$output")" 2
   sed 's/\.5, /0000, /g' pairs.json >far.json
-  accept_warned 'no pixel' guide warp far.json -s 40x36 -o out.exr
+  rm out.exr
+  refuse 3 "found none of 3 pairs inside the picture, the first 'to' at (120000, 9.5) of 40x36 pixels" guide warp far.json -s 40x36 -o out.exr
 }
 
 @test "report, history, help" {
@@ -106,12 +111,12 @@ folded +0\.00 %'
 wrong() {
   sed "s|$1|$2|" pairs.json >wrong.json
   ! cmp -s pairs.json wrong.json || complain "'$1' isn't in pairs.json"
-  refuse 3 "$3" guide warp wrong.json -s 8 -o out.exr
+  refuse 3 "$3" guide warp wrong.json -s 40 -o out.exr
 }
 
 @test "files that are wrong, each with its place" {
   bring pairs.json
-  prove guide warp pairs.json -s 8 -o out.exr || return 1
+  prove guide warp pairs.json -s 40 -o out.exr || return 1
   wrong 'pairs/1' 'pairs/2' wrong.json:2:13
   wrong '"rigid"' '"floppy"' wrong.json:3:11
   wrong '1.5,' '77,' wrong.json:4:12
@@ -134,25 +139,32 @@ wrong() {
 @test "pairs that a kind can't go by" {
   bring pairs.json
   sed '/30.5, 8.5/d' pairs.json >two.json
-  accept guide warp two.json -s 8 -o out.exr
+  accept guide warp two.json -s 40 -o out.exr
   rm out.exr
-  refuse 3 'on one line' guide warp two.json -s 8 --kind affine -o out.exr
+  refuse 3 'on one line' guide warp two.json -s 40 --kind affine -o out.exr
   sed 's/29.5, 7.5/16.5, 19/' pairs.json >line.json
-  accept guide warp line.json -s 8 --kind similarity -o out.exr -q
+  accept guide warp line.json -s 40 --kind similarity -o out.exr -q
   rm out.exr
-  refuse 3 'on one line' guide warp line.json -s 8 --kind affine -o out.exr
+  refuse 3 'on one line' guide warp line.json -s 40 --kind affine -o out.exr
+  # All but on one line, and a line that a plane would have to come from.
+  sed 's/12.5, 9.5/12.5, 9.501/' line.json >thin.json
+  refuse 3 "points 'to' on one line" guide warp thin.json -s 40 --kind affine -o out.exr
+  sed 's/10.5, 8.5/25.5, 19.5/' pairs.json >source.json
+  refuse 3 "points 'from' on one line" guide warp source.json -s 40 --kind affine -o out.exr
+  sed 's/12.5, 9.5/12.5, 10.5/' line.json >wide.json
+  accept guide warp wide.json -s 40 --kind affine -o out.exr -q
 }
 
 @test "options that are wrong" {
   bring pairs.json
-  swap 1 8 0 guide warp pairs.json -s 8 -o out.exr
-  swap 1 8 8x guide warp pairs.json -s 8 -o out.exr
-  swap 1 rigid bent guide warp pairs.json --kind rigid -s 8 -o out.exr
-  swap 1 2 0.2 guide warp pairs.json --alpha 2 -s 8 -o out.exr
-  swap 1 2 nan guide warp pairs.json --alpha 2 -s 8 -o out.exr
-  swap 1 out.exr out.png guide warp pairs.json -s 8 -o out.exr
-  swap 2 out.exr none/out.exr guide warp pairs.json -s 8 -o out.exr
-  swap 2 pairs.json none.json guide warp pairs.json -s 8 -o out.exr
+  swap 1 40 0 guide warp pairs.json -s 40 -o out.exr
+  swap 1 40 40x guide warp pairs.json -s 40 -o out.exr
+  swap 1 rigid bent guide warp pairs.json --kind rigid -s 40 -o out.exr
+  swap 1 2 0.2 guide warp pairs.json --alpha 2 -s 40 -o out.exr
+  swap 1 2 nan guide warp pairs.json --alpha 2 -s 40 -o out.exr
+  swap 1 out.exr out.png guide warp pairs.json -s 40 -o out.exr
+  swap 2 out.exr none/out.exr guide warp pairs.json -s 40 -o out.exr
+  swap 2 pairs.json none.json guide warp pairs.json -s 40 -o out.exr
   refuse 1 --size guide warp pairs.json -s 65536 -o out.exr
   refuse 1 --output guide warp pairs.json
   refuse 1 argument guide warp -o out.exr

@@ -123,7 +123,7 @@ static StyImage *trace_textured(Scratch *scratch, const char *texture, double re
   StyObject *object = add_object(scene, add_quad(scratch, scene, repeats), 0, 0, 0);
   object->is_painted = true;
   object->material.paint.colour[1] = 0.5;
-  assert_int_equal(sty_add_texture(scene, texture, &object->material.paint.texture, NULL), STY_OK);
+  assert_int_equal(sty_add_texture(scene, texture, NULL, &object->material.paint.texture, NULL), STY_OK);
   assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
   const StyTraceOptions options = {
       .width = side, .height = side, .groups = STY_GUIDE_ALBEDO, .nearest_texels = nearest};
@@ -223,14 +223,15 @@ static void test_bad_textures(void **state) {
   StyImage *guide = NULL;
   StyError error;
   object->is_painted = true;
-  assert_int_equal(
-      sty_add_texture(scene, write_bytes(scratch, "no.png", "no picture", 10), &object->material.paint.texture, NULL),
-      STY_OK);
+  assert_int_equal(sty_add_texture(scene, write_bytes(scratch, "no.png", "no picture", 10), "wall.json",
+                                   &object->material.paint.texture, NULL),
+                   STY_OK);
   assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
   StyTraceOptions options = {.width = 8, .height = 8, .groups = STY_GUIDE_LUMA};
   const StyCamera camera = place(scene, &IN_FRONT, &options);
   assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error), STY_ERROR_INPUT);
-  assert_non_null(strstr(error.text, "no.png"));
+  assert_non_null(strstr(error.text, "wall.json: "));
+  assert_non_null(strstr(error.text, "no.png: found"));
   unlink(scratch->path);
   assert_int_equal(sty_trace_guide(scene, &camera, &options, NULL, NULL, &guide, &error), STY_ERROR_FILE);
   options.groups = STY_GUIDE_NORMAL; /* needs no texture */

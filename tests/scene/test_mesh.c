@@ -228,7 +228,8 @@ static void test_truncated_ply(void **state) {
 
 static void test_not_a_mesh(void **state) {
   Scratch *scratch = *state;
-  static const char *const NAMES[] = {"text.obj", "text.ply", "text.stl", "text.gltf", "text.glb", "text.off"};
+  static const char *const NAMES[] = {"text.obj", "text.ply", "text.stl", "text.gltf",
+                                      "text.glb", "text.fbx", "text.off"};
   for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++) {
     expect_refusal(scratch, NAMES[i], "once upon a time\nthere was no mesh here at all\n", STY_ERROR_INPUT, "mesh");
     expect_refusal(scratch, NAMES[i], "", STY_ERROR_INPUT, "expected");
