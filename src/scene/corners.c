@@ -39,11 +39,11 @@ StyStatus sty_number_distinct(const void *items, size_t stride, size_t count, si
   return STY_OK;
 }
 
-static int compare_edges(const void *a, const void *b) {
-  const StyEdge *x = a, *y = b;
-  if (x->low != y->low) return x->low < y->low ? -1 : 1;
-  if (x->high != y->high) return x->high < y->high ? -1 : 1;
-  return (x->corner > y->corner) - (x->corner < y->corner);
+int sty_compare_triples(const void *a, const void *b) {
+  const uint32_t *x = a, *y = b;
+  for (int k = 0; k < 2; k++)
+    if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
+  return (x[2] > y[2]) - (x[2] < y[2]);
 }
 
 void sty_list_edges(const uint32_t *ids, size_t corner_count, StyEdge *edges) {
@@ -51,5 +51,5 @@ void sty_list_edges(const uint32_t *ids, size_t corner_count, StyEdge *edges) {
     const uint32_t from = ids[c], to = ids[sty_next_corner(c)];
     edges[c] = (StyEdge){from < to ? from : to, from < to ? to : from, c};
   }
-  qsort(edges, corner_count, sizeof *edges, compare_edges);
+  qsort(edges, corner_count, sizeof *edges, sty_compare_triples);
 }

@@ -3,6 +3,7 @@
 #ifndef STYLUT_SCENE_CORNERS_H
 #define STYLUT_SCENE_CORNERS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,11 +26,18 @@ StyStatus sty_number_distinct(const void *items, size_t stride, size_t count, si
 
 static inline uint32_t sty_next_corner(uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
+/* For qsort: records of three uint32_t, of which the first counts most. */
+int sty_compare_triples(const void *a, const void *b);
+
 /* The edge from corner `corner` of its triangle to the next one. */
 typedef struct StyEdge {
   uint32_t low, high; /* numbers of the end positions */
   uint32_t corner;
 } StyEdge;
+
+static inline bool sty_is_same_edge(const StyEdge *a, const StyEdge *b) {
+  return a->low == b->low && a->high == b->high;
+}
 
 /* The edges of all triangles, one per corner, whose position has the number ids[c]; sorted, so that those between the
  * same positions stand together, in the order of their corners. */

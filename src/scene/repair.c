@@ -33,7 +33,7 @@ static void count_edge(const StySoup *soup, const StyEdge *begin, size_t triangl
 
 static size_t find_end(const StyEdge *edges, size_t begin, size_t count) {
   size_t end = begin + 1;
-  while (end < count && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) end++;
+  while (end < count && sty_is_same_edge(&edges[end], &edges[begin])) end++;
   return end;
 }
 

@@ -53,8 +53,7 @@ static StyStatus find_charts(StySimplifier *simplifier, const StyWinding *windin
   for (uint32_t t = 0; t < count; t++) charts[t] = t;
   sty_list_edges(winding->corners, 3 * count, edges);
   for (size_t e = 1; e < 3 * count; e++)
-    if (edges[e].low == edges[e - 1].low && edges[e].high == edges[e - 1].high &&
-        is_smooth(soup, winding, &edges[e - 1], &edges[e]))
+    if (sty_is_same_edge(&edges[e - 1], &edges[e]) && is_smooth(soup, winding, &edges[e - 1], &edges[e]))
       join_sets(charts, edges[e - 1].corner / 3, edges[e].corner / 3);
   for (uint32_t t = 0; t < count; t++) charts[t] = find_root(charts, t);
   free(edges);
@@ -62,13 +61,6 @@ static StyStatus find_charts(StySimplifier *simplifier, const StyWinding *windin
 }
 
 /* ---- wedges ---- */
-
-static int compare_wedges(const void *a, const void *b) {
-  const Wedge *x = a, *y = b;
-  if (x->point != y->point) return x->point < y->point ? -1 : 1;
-  if (x->chart != y->chart) return x->chart < y->chart ? -1 : 1;
-  return (x->vertex > y->vertex) - (x->vertex < y->vertex);
-}
 
 static bool is_beside(const Wedge *a, const Wedge *b) { return a->point == b->point && a->chart == b->chart; }
 
@@ -80,9 +72,9 @@ static StyStatus list_wedges(StySimplifier *simplifier, StyError *error) {
   for (size_t c = 0; c < count; c++)
     wedges[c] = (Wedge){soup->corners[c], simplifier->charts[c / 3],
                         soup->mesh->indices[3 * (size_t)soup->triangles[c / 3] + c % 3]};
-  qsort(wedges, count, sizeof *wedges, compare_wedges);
+  qsort(wedges, count, sizeof *wedges, sty_compare_triples);
   for (size_t c = 0; c < count; c++)
-    if (c == 0 || compare_wedges(&wedges[c], &wedges[simplifier->wedge_count - 1]) != 0)
+    if (c == 0 || sty_compare_triples(&wedges[c], &wedges[simplifier->wedge_count - 1]) != 0)
       wedges[simplifier->wedge_count++] = wedges[c];
   return STY_OK;
 }

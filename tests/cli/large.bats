@@ -54,6 +54,7 @@ check_estimate() {
 @test "--dry-run estimates the most memory within a tenth" {
   need_plain_memory
   check_estimate "$torus" -s 512
+  check_estimate "$torus" -s 512 -c uv,albedo # which the mesh has none of
   check_estimate "$BATS_FILE_TMPDIR/torus.obj" -s 1024 -c normal
   check_estimate "$exemplars/creature.ply" -s 2048 -c all
   check_estimate "$exemplars/box/box.json" -s 64 -c paths --spp 1
@@ -64,6 +65,32 @@ check_estimate() {
 { "schema": "stylut-scene/1", "spheres": [ { "center": [0, 0, 0], "radius": 1, "texture": "texture.png" } ] }
 END
   check_estimate scene.json -s 1024 -c albedo
+}
+
+# write_crowd COUNT FILE: a scene of so many objects of one mesh, in rows.
+write_crowd() {
+  local i separator=
+  {
+    echo '{ "schema": "stylut-scene/1", "camera": { "view": "three-quarter" }, "objects": ['
+    for ((i = 0; i < $1; i++)); do
+      echo "$separator{ \"mesh\": \"creature.ply\", \"transform\": [1,0,0,$((i % 10 * 2)), 0,1,0,0, 0,0,1,$((i / 10 * -2)), 0,0,0,1] }"
+      separator=,
+    done
+    echo '] }'
+  } >"$2"
+}
+
+@test "objects that share a mesh: held once, and estimated so" {
+  need_plain_memory
+  cp "$exemplars/creature.ply" .
+  write_crowd 1 one.json
+  write_crowd 60 crowd.json
+  local figures='(e => [e.triangles, e.mesh_bytes].join(" "))(r.estimate)' bytes
+  accept guide scene one.json -s 64 -o out.exr --dry-run --format json
+  bytes=$(json - r.estimate.mesh_bytes <<<"$output")
+  accept guide scene crowd.json -s 64 -o out.exr --dry-run --format json
+  expect 'triangles, bytes of meshes' "$(json - "$figures" <<<"$output")" "$((60 * 31632)) $bytes"
+  check_estimate crowd.json -s 640x480 -c all
 }
 
 @test "--dry-run counts rays" {
