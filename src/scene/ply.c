@@ -1,10 +1,13 @@
 #include "scene/ply.h"
 
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/mman.h>
+#include <unistd.h>
 
 #include "scene/corners.h"
 #include "scene/faults.h"
@@ -14,8 +17,8 @@
 
 enum { MAX_ELEMENTS = 32, MAX_PROPERTIES = 256, MAX_LINE = 512 };
 
-/* Bytes of a file that are given back at a time. */
-enum { STEP = 1 << 24 };
+/* Bytes of a file that are held at a time; more than any item without lists has. */
+enum { BLOCK = 1 << 22 };
 
 typedef enum Kind { KIND_SIGNED, KIND_UNSIGNED, KIND_FLOAT } Kind;
 
@@ -39,12 +42,69 @@ typedef struct Element {
 
 typedef enum Encoding { ENCODING_NONE, ENCODING_ASCII, ENCODING_LITTLE, ENCODING_BIG } Encoding;
 
+/* A file on its way through a block. It isn't mapped: who shortens a mapped file ends those that read it. */
 typedef struct Ply {
-  const unsigned char *at, *end;
+  int file;
+  const StyRun *run; /* for progress; NULL: none */
+  unsigned char *block;
+  const unsigned char *at, *end; /* what is left of the block */
+  uint64_t size, read;           /* of the file; up to the block's end */
   Encoding encoding;
   int element_count;
   Element elements[MAX_ELEMENTS];
 } Ply;
+
+/* ---- bytes ---- */
+
+static StyStatus open_ply(const char *path, const StyRun *run, Ply *out, StyError *error) {
+  Ply ply = {.run = run};
+  const StyStatus status = sty_check_file(path, &ply.size, error);
+  if (status) return status;
+  ply.at = ply.end = ply.block = malloc(BLOCK);
+  if (!ply.block) return sty_fail_memory(error, path, BLOCK);
+  ply.file = open(path, O_RDONLY | O_CLOEXEC);
+  if (ply.file < 0) {
+    free(ply.block);
+    return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(errno));
+  }
+  *out = ply;
+  return STY_OK;
+}
+
+static void close_ply(Ply *ply) {
+  close(ply->file);
+  free(ply->block);
+}
+
+/* As many bytes as fit behind those that are left. */
+static void fill_block(Ply *ply) {
+  size_t held = (size_t)(ply->end - ply->at);
+  memmove(ply->block, ply->at, held);
+  while (held < BLOCK) {
+    const ssize_t got = pread(ply->file, ply->block + held, BLOCK - held, (off_t)ply->read);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    held += (size_t)got;
+    ply->read += (uint64_t)got;
+  }
+  ply->at = ply->block;
+  ply->end = ply->block + held;
+  if (ply->run && ply->run->progress)
+    ply->run->progress(ply->run->context, fmin(1, (double)ply->read / (double)ply->size));
+}
+
+/* The next bytes, at most BLOCK; NULL: the file ends before. */
+static const unsigned char *take_bytes(Ply *ply, size_t size) {
+  if ((size_t)(ply->end - ply->at) < size) fill_block(ply);
+  if ((size_t)(ply->end - ply->at) < size) return NULL;
+  ply->at += size;
+  return ply->at - size;
+}
+
+static uint64_t count_left(const Ply *ply) {
+  const uint64_t left = ply->size > ply->read ? ply->size - ply->read : 0;
+  return left + (uint64_t)(ply->end - ply->at);
+}
 
 /* ---- the header ---- */
 
@@ -65,14 +125,13 @@ static Type get_type(const char *name) {
 
 /* The next line, its first MAX_LINE - 1 characters. */
 static bool read_line(Ply *ply, char line[MAX_LINE]) {
-  const unsigned char *newline = memchr(ply->at, '\n', (size_t)(ply->end - ply->at));
-  if (!newline) return false;
-  const size_t length = (size_t)(newline - ply->at), kept = length < MAX_LINE ? length : MAX_LINE - 1;
-  memcpy(line, ply->at, kept);
-  line[kept] = '\0';
+  size_t length = 0;
+  const unsigned char *c;
+  while ((c = take_bytes(ply, 1)) && *c != '\n')
+    if (length < MAX_LINE - 1) line[length++] = (char)*c;
+  line[length] = '\0';
   line[strcspn(line, "\r")] = '\0';
-  ply->at = newline + 1;
-  return true;
+  return c;
 }
 
 static bool add_property(Ply *ply, const char *line) {
@@ -131,24 +190,27 @@ static bool is_blank(unsigned char c) { return c == ' ' || c == '\t' || c == '\n
 
 /* Steps over one word; *value is the whole number at its beginning. */
 static bool skip_word(Ply *ply, unsigned long long *value) {
-  while (ply->at < ply->end && is_blank(*ply->at)) ply->at++;
-  if (ply->at == ply->end) return false;
+  const unsigned char *c = take_bytes(ply, 1);
+  while (c && is_blank(*c)) c = take_bytes(ply, 1);
+  if (!c) return false;
   *value = 0;
-  for (; ply->at < ply->end && *ply->at >= '0' && *ply->at <= '9' && *value < UINT32_MAX; ply->at++)
-    *value = *value * 10 + (unsigned long long)(*ply->at - '0');
-  while (ply->at < ply->end && !is_blank(*ply->at)) ply->at++;
+  for (; c && *c >= '0' && *c <= '9' && *value < UINT32_MAX; c = take_bytes(ply, 1))
+    *value = *value * 10 + (unsigned long long)(*c - '0');
+  while (c && !is_blank(*c)) c = take_bytes(ply, 1);
   return true;
 }
 
 static bool skip_bytes(Ply *ply, unsigned long long size) {
-  if (size > (unsigned long long)(ply->end - ply->at)) return false;
-  ply->at += size;
+  if (size > count_left(ply)) return false;
+  const size_t held = (size_t)(ply->end - ply->at);
+  ply->at += size < held ? size : held;
+  ply->read += size < held ? 0 : size - held;
   return true;
 }
 
 static bool skip_count(Ply *ply, size_t size, unsigned long long *count) {
-  const unsigned char *bytes = ply->at;
-  if (!skip_bytes(ply, size)) return false;
+  const unsigned char *bytes = take_bytes(ply, size);
+  if (!bytes) return false;
   *count = 0;
   for (size_t i = 0; i < size; i++) *count = *count << 8 | bytes[ply->encoding == ENCODING_BIG ? i : size - 1 - i];
   return true;
@@ -195,13 +257,12 @@ static StyStatus walk_items(const char *path, Ply *ply, StyError *error) {
 }
 
 StyStatus sty_check_ply(const char *path, StyError *error) {
-  StyMapping file;
-  StyStatus status = sty_map_file(path, &file, error);
+  Ply ply;
+  StyStatus status = open_ply(path, NULL, &ply, error);
   if (status != STY_OK) return status;
-  Ply ply = {.at = file.data, .end = file.data + file.size};
   status = read_header(path, &ply, error);
   if (status == STY_OK) status = walk_items(path, &ply, error);
-  sty_unmap_file(&file);
+  close_ply(&ply);
   return status;
 }
 
@@ -220,8 +281,6 @@ typedef struct Reader {
   const char *path;
   Ply ply;
   Layout layout;
-  const unsigned char *begin, *released; /* of the file; pages before the second were given back */
-  const StyRun *run;
   StyMesh *mesh;
   size_t face; /* the one being read */
 } Reader;
@@ -307,11 +366,12 @@ static float read_number(const unsigned char *at, Type type, Encoding encoding) 
   return type.size == sizeof narrow ? narrow : (float)wide;
 }
 
-static void read_numbers(const Reader *reader, const Property *const *properties, size_t count, float *out) {
+static void read_numbers(const Reader *reader, const unsigned char *vertex, const Property *const *properties,
+                         size_t count, float *out) {
   const Property *first = reader->ply.elements[reader->layout.vertices].properties;
   for (size_t i = 0; i < count; i++) {
     const size_t place = reader->layout.places[properties[i] - first];
-    out[i] = read_number(reader->ply.at + place, properties[i]->type, reader->ply.encoding);
+    out[i] = read_number(vertex + place, properties[i]->type, reader->ply.encoding);
   }
 }
 
@@ -322,21 +382,10 @@ static void straighten(float normal[3]) {
   for (int k = 0; k < 3; k++) normal[k] = good ? (float)exact[k] + 0.0f : 0;
 }
 
-/* Says how far reading is, and gives back what was read: pages of a file count as this process's memory, too. */
-static void pass_pages(Reader *reader) {
-  const size_t passed = (size_t)(reader->ply.at - reader->released) / STEP * STEP;
-  if (passed == 0) return;
-  madvise((void *)(uintptr_t)reader->released, passed, MADV_DONTNEED);
-  reader->released += passed;
-  if (reader->run && reader->run->progress)
-    reader->run->progress(reader->run->context,
-                          (double)(reader->released - reader->begin) / (double)(reader->ply.end - reader->begin));
-}
-
 static StyStatus read_vertices(Reader *reader, const Element *element, StyError *error) {
   const Layout *layout = &reader->layout;
   StyMesh *mesh = reader->mesh;
-  const unsigned long long held = (unsigned long long)(reader->ply.end - reader->ply.at) / layout->stride;
+  const unsigned long long held = count_left(&reader->ply) / layout->stride;
   if (held < element->count) return fail_short(reader->path, element, held, error);
   if (element->count > 3 * STY_MAX_TRIANGLES)
     return sty_fail(error, STY_ERROR_INPUT, "%s: found %llu vertices, expected at most %zu", reader->path,
@@ -348,12 +397,13 @@ static StyStatus read_vertices(Reader *reader, const Element *element, StyError 
   if (!mesh->positions || (layout->normal[0] && !mesh->normals) || (layout->uv[0] && !mesh->uvs))
     return sty_fail_memory(error, reader->path, (double)count * 36);
   mesh->positions[3 * count] = 0;
-  for (size_t v = 0; v < count; v++, reader->ply.at += layout->stride) {
-    read_numbers(reader, layout->position, 3, &mesh->positions[3 * v]);
-    if (mesh->normals) read_numbers(reader, layout->normal, 3, &mesh->normals[3 * v]);
+  for (size_t v = 0; v < count; v++) {
+    const unsigned char *vertex = take_bytes(&reader->ply, layout->stride);
+    if (!vertex) return fail_short(reader->path, element, v, error);
+    read_numbers(reader, vertex, layout->position, 3, &mesh->positions[3 * v]);
+    if (mesh->normals) read_numbers(reader, vertex, layout->normal, 3, &mesh->normals[3 * v]);
     if (mesh->normals) straighten(&mesh->normals[3 * v]);
-    if (mesh->uvs) read_numbers(reader, layout->uv, 2, &mesh->uvs[2 * v]);
-    pass_pages(reader);
+    if (mesh->uvs) read_numbers(reader, vertex, layout->uv, 2, &mesh->uvs[2 * v]);
   }
   return STY_OK;
 }
@@ -366,9 +416,9 @@ static StyStatus read_corners(Reader *reader, const Property *property, bool *is
   unsigned long long count = 0;
   if (!skip_count(ply, property->count.size, &count) || count > UINT32_MAX)
     return fail_short(reader->path, element, reader->face, error);
-  const unsigned char *at = ply->at;
-  if (!skip_bytes(ply, count * property->type.size)) return fail_short(reader->path, element, reader->face, error);
   *is_plain = count <= 3;
+  const unsigned char *at = *is_plain ? take_bytes(ply, count * property->type.size) : NULL;
+  if (*is_plain && !at) return fail_short(reader->path, element, reader->face, error);
   if (count != 3) return STY_OK;
   for (size_t k = 0; k < 3; k++) {
     const long long index = read_integer(at + k * property->type.size, property->type, ply->encoding);
@@ -393,17 +443,15 @@ static StyStatus read_face(Reader *reader, const Element *element, bool *is_plai
 
 static StyStatus read_faces(Reader *reader, const Element *element, bool *is_plain, StyError *error) {
   StyMesh *mesh = reader->mesh;
-  const unsigned long long left = (unsigned long long)(reader->ply.end - reader->ply.at);
+  const unsigned long long left = count_left(&reader->ply);
   if (element->count > left) return fail_short(reader->path, element, left, error); /* each takes a byte at least */
   if (element->count > STY_MAX_TRIANGLES) return sty_fail_triangles(reader->path, error);
   const size_t count = (size_t)element->count;
   mesh->indices = malloc((3 * count + 1) * sizeof *mesh->indices);
   if (!mesh->indices) return sty_fail_memory(error, reader->path, (double)(3 * count * sizeof *mesh->indices));
   StyStatus status = STY_OK;
-  for (reader->face = 0; reader->face < count && *is_plain && !status; reader->face++) {
+  for (reader->face = 0; reader->face < count && *is_plain && !status; reader->face++)
     status = read_face(reader, element, is_plain, error);
-    pass_pages(reader);
-  }
   return status;
 }
 
@@ -447,19 +495,14 @@ bool sty_is_ply(const char *path) {
 }
 
 StyStatus sty_read_ply(const char *path, bool keep_normals, const StyRun *run, StyMesh **out, StyError *error) {
-  StyMapping file;
-  StyStatus status = sty_map_file(path, &file, error);
+  Reader reader = {.path = path};
+  StyStatus status = open_ply(path, run, &reader.ply, error);
   if (status) return status;
-  Reader reader = {.path = path,
-                   .ply = {.at = file.data, .end = file.data + file.size},
-                   .begin = file.data,
-                   .released = file.data,
-                   .run = run};
   status = read_header(path, &reader.ply, error);
   bool is_plain = !status && lay_out(&reader.ply, &reader.layout);
   if (!keep_normals) reader.layout.normal[0] = NULL;
   if (is_plain) status = read_triangles(&reader, &is_plain, error);
-  sty_unmap_file(&file);
+  close_ply(&reader.ply);
   if (status || !is_plain)
     sty_destroy_mesh(&reader.mesh);
   else

@@ -285,6 +285,29 @@ static void test_threads_change_nothing(void **state) {
   for (int i = 0; i < 2; i++) sty_destroy_mesh(&meshes[i]);
 }
 
+/* Somebody shortens the file while it is read. */
+static void shorten(void *context, double done) {
+  const Scratch *scratch = context;
+  if (done < 0.5) assert_int_equal(truncate(scratch->path, 5 << 20), 0);
+}
+
+static void test_shortened(void **state) {
+  Scratch *scratch = *state;
+  size_t size;
+  char *text = write_waves(700, &size);
+  assert_true(size > 16 << 20);
+  const StyRun run = {.progress = shorten, .context = scratch};
+  StyMesh *mesh = NULL;
+  StyError error = {STY_OK, ""};
+  assert_int_equal(sty_read_mesh(write_bytes(scratch, "waves.ply", text, size),
+                                 &(StyMeshOptions){.crease_angle = 40, .run = &run}, &mesh, &error),
+                   STY_ERROR_INPUT);
+  assert_null(mesh);
+  assert_non_null(strstr(error.text, "waves.ply: not a whole mesh: it ends in vertex "));
+  unlink(scratch->path);
+  free(text);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_binary_is_as_text),
@@ -293,6 +316,7 @@ int main(void) {
       cmocka_unit_test(test_refusals),
       cmocka_unit_test(test_promises),
       cmocka_unit_test(test_threads_change_nothing),
+      cmocka_unit_test(test_shortened),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }
