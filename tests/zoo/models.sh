@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Every file of Debian's assimp-testmodels, broken ones too: rendered, refused with one line and
-# code 3, or a format that isn't taken. Prints the tally; fails on anything else, such as a
+# code 3 (or 2 for a texture that isn't there), or a format that isn't taken. Prints the tally; fails on anything else, such as a
 # crash, more than one line, more than 20 seconds, or a process with more than 2 GiB.
 # Usage: models.sh STYLUT
 set -uo pipefail
@@ -10,6 +10,12 @@ trap 'rm -rf "$scratch"' EXIT
 most_memory=$((2 << 20)) # KiB
 largest=0 largest_model=
 declare -A tally=([rendered]=0 [refused]=0 [untaken]=0 [bad]=0)
+
+# is_refusal CODE FILE
+is_refusal() {
+  [ "$(wc -l <"$2")" -eq 1 ] || return 1
+  [ "$1" -eq 3 ] || { [ "$1" -eq 2 ] && grep -q 'No such file' "$2"; }
+}
 
 while read -r model; do
   [ -f "$model" ] || continue
@@ -22,11 +28,11 @@ while read -r model; do
     printf 'models: %s: found %d KiB of memory, expected at most %d\n' "$model" "$memory" $most_memory >&2
   elif [ $code -eq 0 ]; then
     outcome=rendered
-  elif [ $code -eq 3 ] && [ "$(wc -l <"$scratch/error")" -eq 1 ]; then
+  elif is_refusal "$code" "$scratch/error"; then
     if grep -q 'found the file ending' "$scratch/error"; then outcome=untaken; else outcome=refused; fi
   else
     outcome=bad
-    printf 'models: %s: found code %d and %s, expected a guide or one line and code 3\n' "$model" $code \
+    printf 'models: %s: found code %d and %s, expected a guide or one line and code 2 or 3\n' "$model" $code \
       "$(head -c 300 "$scratch/error" | tr '\n' ' ')" >&2
   fi
   tally[$outcome]=$((tally[$outcome] + 1))
