@@ -191,6 +191,13 @@ static void count_bytes(Work *work) {
     }
 }
 
+/* What happened to the meshes of both may have made them differ. */
+static StyStatus check_previous(const Work *work, StyError *error) {
+  const StyScene *previous = work->previous.scene;
+  const StyStatus status = previous ? sty_check_alike(work->shot.scene, previous, error) : STY_OK;
+  return status ? sty_fail(error, status, "--previous %s: %s", work->arguments->previous, error->text) : STY_OK;
+}
+
 static StyStatus open_shots(Work *work, StyError *error) {
   const GuideArguments *arguments = work->arguments;
   const double start = sty_get_milliseconds();
@@ -202,7 +209,8 @@ static StyStatus open_shots(Work *work, StyError *error) {
   work->read_ms = sty_get_milliseconds() - start;
   if (!status) status = protect_scene(work, error);
   if (!status) warn_about_seams(work);
-  return status ? status : prepare_meshes(work, error);
+  if (!status) status = prepare_meshes(work, error);
+  return status ? status : check_previous(work, error);
 }
 
 static StyStatus draw_sphere(Work *work, StyError *error) {

@@ -19,8 +19,8 @@ typedef struct StyDocument {
   json_t *root; /* an object */
 } StyDocument;
 
-/* Reads a file of at most 16 MiB. Duplicate keys, anything behind the value and
- * a root that isn't an object are errors. STY_ERROR_FILE, STY_ERROR_INPUT. */
+/* Reads a file of at most 16 MiB. A UTF-8 byte order mark is passed over. Duplicate
+ * keys, anything behind the value and a root that isn't an object are errors. STY_ERROR_FILE, STY_ERROR_INPUT. */
 StyStatus sty_read_document(const char *path, StyDocument *out, StyError *error);
 void sty_close_document(StyDocument *document);
 
@@ -41,6 +41,10 @@ void sty_name_place(const StyDocument *document, const StyPath *path, char *out,
 /* STY_ERROR_INPUT "FILE:LINE:COLUMN: KEY: found ..., expected EXPECTED" for the
  * value at `path` (NULL: the root). */
 StyStatus sty_fail_value(const StyDocument *document, const StyPath *path, const json_t *found, const char *expected,
+                         StyError *error);
+
+/* The same, with what was found in words. */
+StyStatus sty_fail_found(const StyDocument *document, const StyPath *path, const char *found, const char *expected,
                          StyError *error);
 
 /* Refuses keys of the object at `path` that aren't in the NULL-terminated list. */

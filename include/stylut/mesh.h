@@ -17,8 +17,9 @@
 extern "C" {
 #endif
 
-/* World coordinates lie within this: depth and position must fit a float, at the distance of a 1-degree camera, too. */
-#define STY_MAX_COORDINATE 1e30
+/* World coordinates lie within this: depth and position must fit a float, at the distance of a 1-degree camera, too.
+ * 1e30, and what the nearest float and the way through a transform make of it. */
+#define STY_MAX_COORDINATE (1e30 * (1 + 1e-6))
 
 /* The colour of a surface, scene-linear. */
 typedef struct StyPaint {

@@ -104,8 +104,9 @@ StyStatus sty_finish_scene(StyScene *scene, StyError *error);
 /* A scene of one mesh as it stands in its file, of style 1, finished; the mesh is taken over. */
 StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error);
 
-/* STY_ERROR_INPUT unless the two have as many objects and spheres, and objects of as many triangles: what a later
- * state of the same scene has. */
+/* STY_ERROR_INPUT unless `other` can be an earlier state of the same scene: as many objects and spheres, and objects of
+ * the same triangles, wherever their corners are now. Where vertices differ it looks at which corners lie together,
+ * with memory for 24 bytes a triangle and 8 a vertex. */
 StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error);
 
 /* Tells, line by line, what in a finished scene is most likely a mistake and is rendered all the same: material files

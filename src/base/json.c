@@ -1,5 +1,6 @@
 #include "stylut/json.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +8,8 @@
 #include "stylut/file.h"
 
 static const size_t largest_document = 16u << 20;
+
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 static void locate(const char *text, const char *place, int *line, int *column) {
   const char *start = text;
@@ -28,14 +31,39 @@ static StyStatus check_text(const char *name, const char *text, size_t size, Sty
   return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found a zero byte, expected text", name, line, column);
 }
 
+/* What jansson says; of a comma behind the last value it would say that the bracket after it, maybe lines below, is
+ * wrong. */
+static StyStatus fail_syntax(const StyDocument *document, size_t size, const json_error_t *cause, StyError *error) {
+  const size_t end = (size_t)cause->position < size ? (size_t)cause->position : size;
+  const char *c = document->text + end - (end > 0); /* the token's last character */
+  const bool closes = *c == '}' || *c == ']';
+  do c -= c > document->text;
+  while (closes && c > document->text && is_blank(*c));
+  int line = cause->line, column = cause->column > 0 ? cause->column : 1;
+  if (!closes || *c != ',')
+    return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found invalid JSON: %s", document->name, line, column,
+                    cause->text);
+  locate(document->text, c, &line, &column);
+  return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found a comma behind the last value, expected none",
+                  document->name, line, column);
+}
+
+/* Some editors on Windows begin every file with it. */
+static size_t drop_byte_order_mark(char *text, size_t size) {
+  static const char mark[] = "\xef\xbb\xbf";
+  const size_t length = strlen(mark);
+  if (strncmp(text, mark, length) != 0) return size;
+  memmove(text, text + length, size - length + 1); /* and the NUL */
+  return size - length;
+}
+
 static StyStatus parse(StyDocument *document, size_t size, StyError *error) {
+  size = drop_byte_order_mark(document->text, size);
   const StyStatus status = check_text(document->name, document->text, size, error);
   if (status) return status;
   json_error_t cause;
   document->root = json_loadb(document->text, size, JSON_REJECT_DUPLICATES, &cause);
-  if (!document->root)
-    return sty_fail(error, STY_ERROR_INPUT, "%s:%d:%d: found invalid JSON: %s", document->name, cause.line,
-                    cause.column, cause.text);
+  if (!document->root) return fail_syntax(document, size, &cause, error);
   return json_is_object(document->root) ? STY_OK : sty_fail_value(document, NULL, document->root, "an object", error);
 }
 
@@ -144,7 +172,7 @@ static const char *name_type(const json_t *value) {
   return value ? names[json_typeof(value)] : "nothing";
 }
 
-static StyStatus fail_at(const StyDocument *document, const StyPath *path, const char *found, const char *expected,
+StyStatus sty_fail_found(const StyDocument *document, const StyPath *path, const char *found, const char *expected,
                          StyError *error) {
   char place[STY_PLACE_SIZE];
   sty_name_place(document, path, place, sizeof place);
@@ -162,7 +190,7 @@ StyStatus sty_fail_value(const StyDocument *document, const StyPath *path, const
     snprintf(text, sizeof text, "a list of %zu", json_array_size(found));
   else
     snprintf(text, sizeof text, "%s", name_type(found));
-  return fail_at(document, path, text, expected, error);
+  return sty_fail_found(document, path, text, expected, error);
 }
 
 StyStatus sty_check_keys(const StyDocument *document, const StyPath *path, const json_t *object,
@@ -178,7 +206,7 @@ StyStatus sty_check_keys(const StyDocument *document, const StyPath *path, const
     const char *key = json_object_iter_key(i);
     int k = 0;
     while (known[k] && strcmp(known[k], key) != 0) k++;
-    if (!known[k]) return fail_at(document, &(StyPath){path, key, 0}, "an unknown key", list, error);
+    if (!known[k]) return sty_fail_found(document, &(StyPath){path, key, 0}, "an unknown key", list, error);
   }
   return STY_OK;
 }
@@ -190,7 +218,7 @@ StyStatus sty_get_string(const StyDocument *document, const StyPath *path, const
   if (!value) {
     char expected[160];
     snprintf(expected, sizeof expected, "a key \"%.100s\"", key);
-    return fail_at(document, path, "none", expected, error);
+    return sty_fail_found(document, path, "none", expected, error);
   }
   if (!json_is_string(value) || !*json_string_value(value))
     return sty_fail_value(document, &(StyPath){path, key, 0}, value, "a string that isn't empty", error);

@@ -216,7 +216,9 @@ StyStatus sty_place_camera(const StyScene *scene, const StyStand *stand, int wid
   double up[3] = {stand->up[0], stand->up[1], stand->up[2]};
   if (normalize_vector(up)) cross_vectors(up, camera.back, camera.right);
   if (!(dot_vectors(camera.right, camera.right) > 1e-12) || !normalize_vector(camera.right))
-    return sty_fail(error, STY_ERROR_INPUT, "camera: found an up that it looks along, expected another");
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "camera: found the up (%g, %g, %g), expected a direction that it doesn't look along", stand->up[0],
+                    stand->up[1], stand->up[2]);
   cross_vectors(camera.back, camera.right, camera.up);
   sty_get_trace_point(scene, stand->position, camera.eye);
   camera.half_height = stand->perspective ? tan(stand->fov * (M_PI / 360)) : stand->height / 2 * scene->scale;

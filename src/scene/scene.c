@@ -42,7 +42,8 @@ static StyStatus grow(void **list, int count, size_t size, const char *what, Sty
 
 static StyStatus check_count(const StyScene *scene, StyError *error) {
   if (scene->object_count + scene->sphere_count < STY_MOST_OBJECTS) return STY_OK;
-  return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d objects, expected at most that", STY_MOST_OBJECTS);
+  return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d objects and spheres, expected no more",
+                  STY_MOST_OBJECTS);
 }
 
 static int find_texture(const StyScene *scene, const char *path) {
@@ -54,8 +55,7 @@ static int find_texture(const StyScene *scene, const char *path) {
 /* Takes the picture over, unless it fails. */
 static StyStatus append_texture(StyScene *scene, const StyPicture *picture, StyError *error) {
   if (scene->texture_count == STY_MOST_TEXTURES)
-    return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d textures, expected at most that",
-                    STY_MOST_TEXTURES);
+    return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d textures, expected no more", STY_MOST_TEXTURES);
   void *list = scene->textures;
   const StyStatus status = grow(&list, scene->texture_count, sizeof *scene->textures, "textures", error);
   scene->textures = list;
@@ -129,7 +129,7 @@ static bool is_regular(const double m[3][4]) {
 StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error) {
   if (!is_regular(object->transform))
     return sty_fail(error, STY_ERROR_INPUT,
-                    "transform: found one that leaves no volume, expected one that can be undone");
+                    "transform: found one that makes things flat, expected three rows that point in three directions");
   void *list = scene->objects;
   StyStatus status = check_count(scene, error);
   if (!status) status = grow(&list, scene->object_count, sizeof *scene->objects, "objects", error);
@@ -152,9 +152,10 @@ StyStatus sty_add_sphere(StyScene *scene, const StySphere *sphere, StyError *err
 StyStatus sty_add_light(StyScene *scene, const StyLight *light, StyError *error) {
   double direction[3] = {light->direction[0], light->direction[1], light->direction[2]};
   if (!light->is_point && !normalize_vector(direction))
-    return sty_fail(error, STY_ERROR_INPUT, "light: found no direction, expected one that isn't zero");
+    return sty_fail(error, STY_ERROR_INPUT, "light: found the direction (%g, %g, %g), expected one with a length",
+                    light->direction[0], light->direction[1], light->direction[2]);
   if (scene->light_count == STY_MOST_LIGHTS)
-    return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d lights, expected at most that", STY_MOST_LIGHTS);
+    return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d lights, expected no more", STY_MOST_LIGHTS);
   void *list = scene->lights;
   const StyStatus status = grow(&list, scene->light_count, sizeof *scene->lights, "lights", error);
   scene->lights = list;
@@ -311,19 +312,6 @@ StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error) {
   else
     *out = scene;
   return status;
-}
-
-StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error) {
-  if (scene->object_count != other->object_count || scene->sphere_count != other->sphere_count)
-    return sty_fail(error, STY_ERROR_INPUT, "found %d objects and %d spheres, expected %d and %d", other->object_count,
-                    other->sphere_count, scene->object_count, scene->sphere_count);
-  for (int o = 0; o < scene->object_count; o++) {
-    const size_t here = scene->meshes[scene->objects[o].mesh]->triangle_count;
-    const size_t there = other->meshes[other->objects[o].mesh]->triangle_count;
-    if (here != there)
-      return sty_fail(error, STY_ERROR_INPUT, "found an object %d of %zu triangles, expected %zu", o + 1, there, here);
-  }
-  return STY_OK;
 }
 
 size_t sty_count_scene_triangles(const StyScene *scene) {

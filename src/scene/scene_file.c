@@ -24,30 +24,50 @@ typedef struct Reading {
 /* ---- what the parts share ------------------------------------------------------ */
 
 static StyStatus require_key(const StyDocument *document, const StyPath *path, const json_t *object, const char *key,
-                             const char *what, StyError *error) {
+                             const char *expected, StyError *error) {
+  char found[64];
   if (json_object_get(object, key)) return STY_OK;
-  char expected[96];
-  snprintf(expected, sizeof expected, "a key \"%s\", %s", key, what);
-  return sty_fail_value(document, path, object, expected, error);
+  snprintf(found, sizeof found, "no key \"%s\"", key);
+  return sty_fail_found(document, path, found, expected, error);
 }
 
-/* A complaint of the scene's own, with the place in the file. */
-static StyStatus place_error(const Reading *reading, const StyPath *path, const json_t *value, const StyError *cause,
+/* Keys of another type than the one that goes without saying: there they would be unknown. */
+static StyStatus check_type_given(const StyDocument *document, const StyPath *path, const json_t *object,
+                                  const char *const *keys, const char *expected, StyError *error) {
+  char found[64];
+  for (int k = 0; keys[k] && !json_object_get(object, "type"); k++) {
+    if (!json_object_get(object, keys[k])) continue;
+    snprintf(found, sizeof found, "a \"%s\" but no \"type\"", keys[k]);
+    return sty_fail_found(document, path, found, expected, error);
+  }
+  return STY_OK;
+}
+
+/* What is wrong with something that a value stands for or names, with the value's place. */
+static StyStatus place_error(const StyDocument *document, const StyPath *path, StyStatus status, const char *text,
                              StyError *error) {
-  const char *expected = strstr(cause->text, "expected ");
-  return sty_fail_value(&reading->document, path, value, expected ? expected + strlen("expected ") : cause->text,
-                        error);
+  char place[STY_PLACE_SIZE];
+  sty_name_place(document, path, place, sizeof place);
+  return sty_fail(error, status, "%s: %s", place, text);
+}
+
+/* "found ...", of a message that begins with what it is about. */
+static const char *skip_subject(const char *text) {
+  const char *found = strstr(text, "found ");
+  return found ? found : text;
 }
 
 /* A list of the root's, object by object. */
-static StyStatus read_list(Reading *reading, const char *key,
+static StyStatus read_list(Reading *reading, const char *key, int most,
                            StyStatus (*read)(Reading *, const StyPath *, const json_t *, StyError *), StyError *error) {
   const StyDocument *document = &reading->document;
   const json_t *list = json_object_get(document->root, key);
   const StyPath path = {NULL, key, 0};
+  char expected[64];
   if (!list) return STY_OK;
-  if (!json_is_array(list) || json_array_size(list) > STY_MOST_OBJECTS)
-    return sty_fail_value(document, &path, list, "a list of at most 65536 objects", error);
+  snprintf(expected, sizeof expected, "a list of at most %d %s", most, key);
+  if (!json_is_array(list) || json_array_size(list) > (size_t)most)
+    return sty_fail_value(document, &path, list, expected, error);
   StyStatus status = STY_OK;
   for (size_t i = 0; !status && i < json_array_size(list); i++)
     status = read(reading, &(StyPath){&path, NULL, i}, json_array_get(list, i), error);
@@ -69,10 +89,20 @@ static StyStatus read_fit(const StyDocument *document, const StyPath *path, cons
   if (!status && sty_parse_view("view", view, out, &cause))
     return sty_fail_value(document, &(StyPath){path, "view", 0}, json_object_get(camera, "view"),
                           "\"front\", \"three-quarter\" or \"AZIMUTH,ELEVATION\" in degrees", error);
-  if (!status && !sty_find_up_axis(up, &out->up))
-    return sty_fail_value(document, &(StyPath){path, "up", 0}, json_object_get(camera, "up"),
-                          "an axis of the world, as [0, 0, 1], for a camera of type fit", error);
-  return status;
+  if (status || sty_find_up_axis(up, &out->up)) return status;
+  char found[64];
+  snprintf(found, sizeof found, "[%g, %g, %g]", up[0], up[1], up[2]);
+  return sty_fail_found(document, &(StyPath){path, "up", 0}, found,
+                        "an axis of the world, as [0, 0, 1], for a camera of type \"fit\"", error);
+}
+
+/* Whatever the scene: that it looks somewhere, and knows what is up. */
+static StyStatus check_stand(const StyDocument *document, const StyPath *path, const StyStand *stand, StyError *error) {
+  const StyScene world = {.scale = 1};
+  StyCamera camera;
+  StyError cause;
+  const StyStatus status = sty_place_camera(&world, stand, 1, 1, &camera, &cause);
+  return status ? place_error(document, path, status, skip_subject(cause.text), error) : STY_OK;
 }
 
 static StyStatus read_stand(const StyDocument *document, const StyPath *path, const json_t *camera, StyStand *out,
@@ -90,18 +120,22 @@ static StyStatus read_stand(const StyDocument *document, const StyPath *path, co
   if (!status) status = sty_get_numbers(document, path, camera, "target", -most, most, 3, out->target, error);
   if (!status) status = sty_get_number(document, path, camera, "fov", 1, 170, &out->fov, error);
   if (!status) status = sty_get_number(document, path, camera, "height", 1 / most, most, &out->height, error);
-  return status;
+  return status ? status : check_stand(document, path, out, error);
 }
 
 static StyStatus read_camera(const StyDocument *document, StyViewpoint *out, StyError *error) {
   static const char *const types[] = {"fit", "orthographic", "perspective", NULL};
+  static const char *const typed[] = {"position", "target", "height", NULL};
   const json_t *camera = json_object_get(document->root, "camera");
   const StyPath path = {NULL, "camera", 0};
   int type = 0;
   *out = (StyViewpoint){.is_fit = true, .view = sty_default_view, .stand.up = {0, 1, 0}};
   if (!camera) return STY_OK;
   if (!json_is_object(camera)) return sty_fail_value(document, &path, camera, "an object", error);
-  StyStatus status = sty_get_choice(document, &path, camera, "type", types, &type, error);
+  StyStatus status = check_type_given(
+      document, &path, camera, typed,
+      "\"type\": \"perspective\" or \"orthographic\" (without one it is \"fit\", which finds its own place)", error);
+  if (!status) status = sty_get_choice(document, &path, camera, "type", types, &type, error);
   if (!status)
     status = sty_get_numbers(document, &path, camera, "up", -STY_MAX_COORDINATE, STY_MAX_COORDINATE, 3, out->stand.up,
                              error);
@@ -125,14 +159,17 @@ static StyStatus get_switch(const StyDocument *document, const char *key, bool *
 static StyStatus read_light(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
   static const char *const directional[] = {"type", "direction", "intensity", "color", NULL};
   static const char *const point[] = {"type", "position", "intensity", "color", NULL};
-  static const char *const types[] = {"directional", "point", NULL};
+  static const char *const types[] = {"directional", "point", NULL}, *const typed[] = {"position", NULL};
   const StyDocument *document = &reading->document;
   const double most = STY_MAX_COORDINATE;
   StyLight light = {.intensity = 1, .colour = {1, 1, 1}};
-  StyError cause = {STY_OK, ""};
+  StyError cause;
   int type = 0;
   if (!json_is_object(value)) return sty_fail_value(document, path, value, "an object", error);
-  StyStatus status = sty_get_choice(document, path, value, "type", types, &type, error);
+  StyStatus status =
+      check_type_given(document, path, value, typed,
+                       "\"type\": \"point\" (without one it is \"directional\", which has no place)", error);
+  if (!status) status = sty_get_choice(document, path, value, "type", types, &type, error);
   light.is_point = type == 1;
   if (!status) status = sty_check_keys(document, path, value, light.is_point ? point : directional, error);
   if (!status)
@@ -142,14 +179,16 @@ static StyStatus read_light(Reading *reading, const StyPath *path, const json_t 
   if (!status) status = sty_get_numbers(document, path, value, "position", -most, most, 3, light.position, error);
   if (!status) status = sty_get_number(document, path, value, "intensity", 0, most, &light.intensity, error);
   if (!status) status = sty_get_numbers(document, path, value, "color", 0, 1e6, 3, light.colour, error);
-  if (status || !sty_add_light(reading->scene, &light, &cause)) return status;
-  return place_error(reading, path, value, &cause, error);
+  if (status) return status;
+  status = sty_add_light(reading->scene, &light, &cause);
+  const StyPath direction = {path, "direction", 0};
+  return status ? place_error(document, &direction, status, skip_subject(cause.text), error) : STY_OK;
 }
 
 static StyStatus read_lighting(Reading *reading, StyError *error) {
   const StyDocument *document = &reading->document;
   StyScene *scene = reading->scene;
-  StyStatus status = read_list(reading, "lights", read_light, error);
+  StyStatus status = read_list(reading, "lights", STY_MOST_LIGHTS, read_light, error);
   if (scene->light_count) scene->ambient = default_ambient;
   if (!status) status = sty_get_number(document, NULL, document->root, "ambient", 0, 1e6, &scene->ambient, error);
   return status ? status : get_switch(document, "shadows", &scene->shadows, error);
@@ -157,20 +196,21 @@ static StyStatus read_lighting(Reading *reading, StyError *error) {
 
 /* ---- objects ------------------------------------------------------------------ */
 
-/* The number of a mesh, which is read unless an object before has named it. */
-static StyStatus find_mesh(Reading *reading, const char *name, int *number, StyError *error) {
+/* The number of a mesh that the value at `path` names, which is read unless an object before has named it. */
+static StyStatus find_mesh(Reading *reading, const StyPath *path, const char *name, int *number, StyError *error) {
   for (int m = 0; m < reading->scene->mesh_count; m++)
     if (strcmp(reading->names[m], name) == 0) {
       *number = m;
       return STY_OK;
     }
   StyMesh *mesh = NULL;
-  char *path = sty_join_path(reading->folder, name);
-  StyStatus status = path ? sty_read_mesh(path, reading->options, &mesh, error) : sty_fail_memory(error, name, 0);
-  free(path);
-  if (!status) status = sty_add_mesh(reading->scene, &mesh, number, error);
+  StyError cause;
+  char *file = sty_join_path(reading->folder, name);
+  StyStatus status = file ? sty_read_mesh(file, reading->options, &mesh, &cause) : sty_fail_memory(&cause, name, 0);
+  free(file);
+  if (!status) status = sty_add_mesh(reading->scene, &mesh, number, &cause);
   if (!status) reading->names[*number] = name;
-  return status;
+  return status ? place_error(&reading->document, path, status, cause.text, error) : STY_OK;
 }
 
 static StyStatus read_transform(const StyDocument *document, const StyPath *object_path, const json_t *object,
@@ -180,9 +220,15 @@ static StyStatus read_transform(const StyDocument *document, const StyPath *obje
                                            STY_MAX_COORDINATE, 16, m, error);
   if (status) return status;
   memcpy(out, m, 12 * sizeof *m);
-  if (m[12] == 0 && m[13] == 0 && m[14] == 0 && m[15] == 1) return STY_OK;
-  return sty_fail_value(document, &(StyPath){object_path, "transform", 0}, json_object_get(object, "transform"),
-                        "16 numbers, row by row, of which the last four are 0, 0, 0, 1", error);
+  for (size_t i = 12; i < 16; i++) {
+    const StyPath path = {object_path, "transform", 0};
+    const json_t *value = json_array_get(json_object_get(object, "transform"), i);
+    if (m[i] != (i == 15))
+      return sty_fail_value(document, &(StyPath){&path, NULL, i}, value,
+                            i < 15 ? "0, since the last row is 0, 0, 0, 1" : "1, since the last row is 0, 0, 0, 1",
+                            error);
+  }
+  return STY_OK;
 }
 
 /* The texture that an object or a sphere names, beside the file. */
@@ -216,15 +262,18 @@ static StyStatus read_object(Reading *reading, const StyPath *path, const json_t
   const char *name = NULL;
   StyObject object = {.style = 1};
   object.is_painted = json_object_get(value, "color") || json_object_get(value, "texture");
-  StyError cause = {STY_OK, ""};
+  StyError cause;
   StyStatus status = sty_check_keys(document, path, value, known, error);
+  if (!status) status = require_key(document, path, value, "mesh", "the name of a mesh file", error);
   if (!status) status = sty_get_string(document, path, value, "mesh", 1, &name, error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &object.style, error);
   if (!status) status = read_material(reading, path, value, &object.material, error);
   if (!status) status = read_transform(document, path, value, object.transform, error);
-  if (!status) status = find_mesh(reading, name, &object.mesh, error);
-  if (status || !sty_add_object(reading->scene, &object, &cause)) return status;
-  return place_error(reading, &(StyPath){path, "transform", 0}, json_object_get(value, "transform"), &cause, error);
+  if (!status) status = find_mesh(reading, &(StyPath){path, "mesh", 0}, name, &object.mesh, error);
+  if (status) return status;
+  status = sty_add_object(reading->scene, &object, &cause);
+  const StyPath transform = {path, "transform", 0};
+  return status ? place_error(document, &transform, status, skip_subject(cause.text), error) : STY_OK;
 }
 
 static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t *value, StyError *error) {
@@ -240,7 +289,10 @@ static StyStatus read_sphere(Reading *reading, const StyPath *path, const json_t
                             error);
   if (!status) status = sty_get_integer(document, path, value, "style", 0, STY_MOST_STYLE, &sphere.style, error);
   if (!status) status = read_material(reading, path, value, &sphere.material, error);
-  return status ? status : sty_add_sphere(reading->scene, &sphere, error);
+  if (status) return status;
+  StyError cause;
+  status = sty_add_sphere(reading->scene, &sphere, &cause);
+  return status ? place_error(document, path, status, skip_subject(cause.text), error) : STY_OK;
 }
 
 /* ---- the whole ---------------------------------------------------------------- */
@@ -250,6 +302,7 @@ static StyStatus read_head(Reading *reading, StyViewpoint *viewpoint, StyError *
   const StyDocument *document = &reading->document;
   const char *schema = NULL;
   StyStatus status = sty_check_keys(document, NULL, document->root, known, error);
+  if (!status) status = require_key(document, NULL, document->root, "schema", "\"stylut-scene/1\" there", error);
   if (!status) status = sty_get_string(document, NULL, document->root, "schema", 1, &schema, error);
   if (!status && strcmp(schema, scene_schema) != 0)
     return sty_fail_value(document, &(StyPath){NULL, "schema", 0}, json_object_get(document->root, "schema"),
@@ -264,12 +317,13 @@ static StyStatus read_all(Reading *reading, StyViewpoint *viewpoint, StyError *e
   const size_t objects = json_array_size(json_object_get(reading->document.root, "objects"));
   reading->names = calloc(objects + 1, sizeof *reading->names);
   if (!reading->names) return sty_fail_memory(error, reading->document.name, (double)objects * sizeof *reading->names);
-  status = read_list(reading, "objects", read_object, error);
-  if (!status) status = read_list(reading, "spheres", read_sphere, error);
+  status = read_list(reading, "objects", STY_MOST_OBJECTS, read_object, error);
+  if (!status) status = read_list(reading, "spheres", STY_MOST_OBJECTS, read_sphere, error);
   if (!status) status = read_lighting(reading, error);
   if (status) return status;
-  status = sty_finish_scene(reading->scene, error);
-  return status ? sty_fail(error, status, "%s: %s", reading->document.name, error->text) : STY_OK;
+  StyError cause;
+  status = sty_finish_scene(reading->scene, &cause);
+  return status ? sty_fail(error, status, "%s: %s", reading->document.name, skip_subject(cause.text)) : STY_OK;
 }
 
 bool sty_is_scene_file(const char *path) {
@@ -303,7 +357,7 @@ StyStatus sty_read_stand(const char *path, StyStand *out, StyError *error) {
   StyStatus status = sty_read_document(path, &reading.document, error);
   if (!status) status = read_head(&reading, &found, error);
   if (!status)
-    status = require_key(&reading.document, NULL, reading.document.root, "camera", "that stands somewhere", error);
+    status = require_key(&reading.document, NULL, reading.document.root, "camera", "one that stands somewhere", error);
   if (!status && found.is_fit) {
     const json_t *given = json_object_get(reading.document.root, "camera"), *fit = json_object_get(given, "type");
     status = sty_fail_value(&reading.document, fit ? &type : &camera, fit ? fit : given,

@@ -130,7 +130,7 @@ stylut: warning: photo.png: found normals facing away from the viewer in 100 % o
   : >empty.exr
   refuse 3 empty.exr guide import empty.exr --as houdini -o out.exr
   printf '{"schema": "stylut-scene/1"}' >none.json
-  refuse 3 'a key "camera"' guide import blender.exr --as blender --camera none.json -o out.exr
+  refuse 3 'no key "camera"' guide import blender.exr --as blender --camera none.json -o out.exr
   printf '{"schema": "stylut-scene/1", "camera": {"type": "fit"}}' >fit.json
   refuse 3 'fit.json:1:49: camera.type: found "fit"' guide import blender.exr --as blender --camera fit.json -o out.exr
   printf '{"schema": "stylut-scene/1", "camera": {}}' >bare.json

@@ -92,7 +92,7 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   local size
   write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ $(place_cube 1 0) ]" one.json
   render one
-  for size in 1e-30 1e-12 1e12 5e29; do
+  for size in 1e-30 1e-12 1e12 1e30; do
     write_scene "\"camera\": { \"view\": \"30,20\" }, \"objects\": [ $(place_cube $size 0) ]" sized.json
     render sized $size
     expect_alike "a cube times $size" one.txt sized.txt
@@ -101,8 +101,14 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
     render sized $size
     expect_alike "a cube of size $size" one.txt sized.txt
   done
-  write_cube 2e30 >large.obj
+  write_cube 1.001e30 >large.obj
   refuse 3 'large.obj' guide scene large.obj -s 8 -o out.exr
+  write_cube >cube.obj
+  local place='"center": [1e30, 0, 0]'
+  write_scene "\"objects\": [ $(place_cube 1e30 0) ], \"spheres\": [ { $place } ]"
+  accept guide scene scene.json -s 8 -o out.exr
+  write_scene "\"spheres\": [ { ${place/1e30/1.001e30} } ]"
+  refuse 3 'spheres[0].center[0]: found 1.001e+30, expected a number from -1e+30 to 1e+30' guide scene scene.json -s 8 -o none.exr
 }
 
 @test "a hundred million units from the origin: objects, lights and cameras" {
@@ -242,4 +248,18 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   echo 'not a picture' >none.png
   refuse 3 none.png guide scene bare.json -s 16 -c albedo --dry-run -o out.exr
   refuse 3 'found 2 objects' guide scene one.json --previous two.json -s 16 -c motion --dry-run -o out.exr
+}
+
+@test "--previous: a scene of other things" {
+  write_cube >cube.obj
+  (sed '/^f/d' cube.obj; grep '^f' cube.obj | sort -r) >other.obj
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >less.obj
+  write_cube 2 >moved.obj
+  accept guide scene cube.obj --previous moved.obj -s 8 -c motion -o out.exr
+  refuse 3 '--previous other.obj: object 1: found that triangle' guide scene cube.obj --previous other.obj -s 8 -o none.exr
+  refuse 3 '--previous other.obj: object 1: found that triangle' guide scene cube.obj --previous other.obj -s 8 -o none.exr --dry-run
+  refuse 3 '--previous less.obj: object 1: found 1 triangle, expected 12' guide scene cube.obj --previous less.obj -s 8 -o none.exr
+  write_scene '"spheres": [ {} ]' ball.json
+  refuse 3 '--previous ball.json: found 0 objects and 1 sphere, expected 1 object and 0 spheres' \
+    guide scene cube.obj --previous ball.json -s 8 -o none.exr
 }

@@ -395,7 +395,7 @@ static void test_refusals(void **state) {
   options.channels = "depth";
   expect_refusal(pair.frame, pair.previous, &options, STY_ERROR_INPUT, "now.png", "depth");
   options.channels = "R,,B";
-  expect_refusal(pair.frame, pair.previous, &options, STY_ERROR_INPUT, "now.png", "found no channel ,");
+  expect_refusal(pair.frame, pair.previous, &options, STY_ERROR_USAGE, "found an empty name", "'R,,B'");
   options.channels = "R,G,B,R,G";
   expect_refusal(pair.frame, pair.previous, &options, STY_ERROR_USAGE, "more than 4", "G");
   options = sty_default_flow_options;

@@ -510,7 +510,7 @@ static void test_motion_needs_a_like_scene(void **state) {
   assert_int_equal(sty_trace_guide(pair, &camera, &options, NULL, NULL, &guide, &error), STY_ERROR_USAGE);
   options.previous = (StyPrevious){other, &camera};
   assert_int_equal(sty_trace_guide(pair, &camera, &options, NULL, NULL, &guide, &error), STY_ERROR_INPUT);
-  assert_non_null(strstr(error.text, "expected 1 and 1"));
+  assert_string_equal(error.text, "found 0 objects and 1 sphere, expected 1 object and 1 sphere");
   assert_int_equal(sty_make_sphere_guide(8, 8, STY_GUIDE_MOTION, &guide, &error), STY_ERROR_USAGE);
   assert_null(guide);
   sty_destroy_scene(&pair);

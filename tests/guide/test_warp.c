@@ -381,6 +381,48 @@ static void test_pairs_too_few_for_a_kind(void **state) {
   }
 }
 
+/* What lies on a line but for a share of its length, in the picture and in the source. */
+static void test_points_nearly_on_a_line(void **state) {
+  (void)state;
+  static const double shares[] = {0, 1e-9, 1e-4, 0.01, 0.5};
+  for (int is_to = 0; is_to < 2; is_to++)
+    for (size_t s = 0; s < sizeof shares / sizeof *shares; s++) {
+      Set set;
+      open_set(&set, STY_WARP_AFFINE, 3);
+      for (int i = 0; i < 3; i++) {
+        const double thin[2] = {1 + 2 * i, 2 + i + (i == 1) * 4 * shares[s]}, thick[2] = {1 + i, 1 + i * i};
+        memcpy(set.room[i].to, is_to ? thin : thick, sizeof thin);
+        memcpy(set.room[i].from, is_to ? thick : thin, sizeof thin);
+      }
+      if (shares[s] < 1e-3) {
+        expect_refusal(&set.pairs, STY_ERROR_INPUT, PARTS("some.json", "on one line", is_to ? "'to'" : "'from'"));
+        continue;
+      }
+      StyImage *field = warp(&set.pairs, 8, 8, NULL);
+      sty_destroy_image(&field);
+    }
+}
+
+static void test_pairs_outside_the_picture(void **state) {
+  (void)state;
+  Set set;
+  StyWarpFigures figures;
+  open_set(&set, STY_WARP_RIGID, 4);
+  set.room[0] = (StyPair){{0, 0}, {8, 8}}; /* corners are inside */
+  set.room[1] = (StyPair){{9, 3}, {3, 3}};
+  set.room[2] = (StyPair){{4, 4}, {4, -0.5}};
+  set.room[3] = (StyPair){{5, 5}, {5, 5}};
+  StyImage *field = warp(&set.pairs, 8, 8, &figures);
+  assert_int_equal(figures.outside, 2);
+  assert_int_equal(figures.first_outside, 1);
+  assert_int_equal(figures.measured, 3);
+  sty_destroy_image(&field);
+  for (int i = 0; i < 4; i++) set.room[i].to[0] += 9;
+  expect_refusal(&set.pairs, STY_ERROR_INPUT, PARTS("some.json", "none of 4 pairs", "(17, 8) of 8x8 pixels"));
+  set.pairs.normalized = true;
+  expect_refusal(&set.pairs, STY_ERROR_INPUT, PARTS("some.json", "none of 4 pairs", "(136, 64) of 8x8 pixels"));
+}
+
 static void test_pairs_that_make_no_sense(void **state) {
   (void)state;
   Set set;
@@ -481,6 +523,8 @@ int main(void) {
       cmocka_unit_test(test_normalized_places),
       cmocka_unit_test(test_sizes_and_threads),
       cmocka_unit_test(test_pairs_too_few_for_a_kind),
+      cmocka_unit_test(test_points_nearly_on_a_line),
+      cmocka_unit_test(test_pairs_outside_the_picture),
       cmocka_unit_test(test_pairs_that_make_no_sense),
       scratch_test(test_files),
       scratch_test(test_files_that_are_wrong),

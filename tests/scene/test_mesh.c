@@ -293,6 +293,35 @@ static void test_version(void **state) {
   assert_int_equal(strncmp(sty_get_mesh_library_version(), "Assimp 5.", 9), 0);
 }
 
+/* The largest coordinate, and one just beyond: the same answer whatever the format, though a float's 1e30 is more. */
+static void test_largest_coordinate(void **state) {
+  static const char *const texts[][2] = {
+      {"a.obj", "v 0 0 0\nv %s 0 0\nv 0 -%s 0\nf 1 2 3\n"},
+      {"a.off", "OFF\n3 1 0\n0 0 0\n%s 0 0\n0 -%s 0\n3 0 1 2\n"},
+      {"a.stl",
+       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex %s 0 0\nvertex 0 -%s 0\nendloop\n"
+       "endfacet\nendsolid a\n"},
+      {"a.ply",
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n%s 0 0\n0 -%s 0\n3 0 1 2\n"},
+      {"b.ply",
+       "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+       "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n%s 0 0\n0 -%s 0\n3 0 1 2\n"}};
+  for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+    for (int beyond = 0; beyond < 2; beyond++) {
+      char *text = NULL;
+      StyMesh *mesh = NULL;
+      StyError error = {STY_OK, ""};
+      const char *value = beyond ? "1.001e30" : "1e30";
+      assert_true(asprintf(&text, texts[i][1], value, value) > 0);
+      const StyStatus status = read_text_mesh(*state, texts[i][0], text, -1, &mesh, &error);
+      if (status != (beyond ? STY_ERROR_INPUT : STY_OK)) fail_msg("%s of %s: '%s'", texts[i][0], value, error.text);
+      if (beyond) assert_non_null(strstr(error.text, "expected coordinates from -1e+30 to 1e+30"));
+      sty_destroy_mesh(&mesh);
+      free(text);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_cube_is_cut_and_shared),
@@ -311,6 +340,7 @@ int main(void) {
       cmocka_unit_test(test_node_transforms),
       cmocka_unit_test(test_deep_trees),
       cmocka_unit_test(test_version),
+      cmocka_unit_test(test_largest_coordinate),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }

@@ -117,7 +117,7 @@ static void test_camera_alone(void **state) {
   static const char *const bad[][2] = {
       {"{\"schema\": \"stylut-scene/1\", \"camera\": {\"type\": \"fit\"}}", "camera.type: found \"fit\""},
       {"{\"schema\": \"stylut-scene/1\", \"camera\": {}}", "camera: found"},
-      {"{\"schema\": \"stylut-scene/1\"}", "a key \"camera\""}};
+      {"{\"schema\": \"stylut-scene/1\"}", "no key \"camera\""}};
   StyStand stand = {.fov = 1};
   StyError error = {STY_OK, ""};
   assert_int_equal(sty_read_stand(write_bytes(scratch, "camera.json", good, strlen(good)), &stand, &error), STY_OK);
@@ -135,6 +135,10 @@ static void test_camera_alone(void **state) {
 /* ---- what is refused ---------------------------------------------------------- */
 
 #define HEAD "{\"schema\": \"stylut-scene/1\",\n"
+#define LIGHTS_4 \
+  "{\"direction\": [0, 0, 1]}, {\"direction\": [0, 0, 1]}, {\"direction\": [0, 0, 1]}, {\"direction\": [0, 0, 1]}, "
+#define LIGHTS_16 LIGHTS_4 LIGHTS_4 LIGHTS_4 LIGHTS_4
+#define LIGHTS_64 LIGHTS_16 LIGHTS_16 LIGHTS_16 LIGHTS_16
 
 static void test_refused(void **state) {
   static const struct {
@@ -147,19 +151,19 @@ static void test_refused(void **state) {
       {HEAD "\"objects\": []}", {"nothing in it"}},
       {HEAD "\"objects\": {}}", {":2:12:", "a list"}},
       {HEAD "\"objects\": [7]}", {":2:13:", "objects[0]", "an object"}},
-      {HEAD "\"objects\": [{\"mesh\": \"\"}]}", {"objects[0].mesh"}},
-      {HEAD "\"objects\": [{\"style\": 1}]}", {"\"mesh\""}},
+      {HEAD "\"objects\": [{\"mesh\": \"\"}]}", {":2:22: objects[0].mesh: found \"\""}},
+      {HEAD "\"objects\": [{\"style\": 1}]}", {":2:13: objects[0]: found no key \"mesh\", expected"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"style\": 256}]}", {"objects[0].style", "256", "0 to 255"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"style\": 1.5}]}", {"objects[0].style", "1.5"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1, 2]}]}", {"transform", "a list of 2", "16"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,0, 0,1,0,0, 0,0,1,\"x\", 0,0,0,1]}]}",
        {"transform[11]", "\"x\""}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,2]}]}",
-       {"transform", "0, 0, 0, 1"}},
+       {":2:81: objects[0].transform[15]: found 2, expected 1"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,0, 0,1,0,0, 1,1,0,0, 0,0,0,1]}]}",
-       {"objects[0].transform", "undone"}},
+       {"objects[0].transform: found one that makes things flat", "three directions"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,1]}]}",
-       {"objects[0].transform", "undone"}},
+       {"objects[0].transform: found one that makes things flat", "three directions"}},
       {HEAD "\"objects\": [{\"mesh\": \"cube.obj\", \"transform\": [1,0,0,2e30, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]}",
        {"transform[3]", "1e+30"}},
       {HEAD "\"spheres\": [{\"radius\": 0}]}", {"spheres[0].radius", "found 0"}},
@@ -169,20 +173,35 @@ static void test_refused(void **state) {
       {HEAD "\"spheres\": [{\"color\": [1, 2, 0]}]}", {"spheres[0].color[1]", "found 2", "0 to 1"}},
       {HEAD "\"spheres\": [{\"shininess\": 0}]}", {"spheres[0].shininess", "1 to 10000"}},
       {HEAD "\"spheres\": [{}], \"lights\": [{\"type\": \"spot\"}]}", {"lights[0].type", "spot", "directional"}},
-      {HEAD "\"spheres\": [{}], \"lights\": [{\"type\": \"point\"}]}", {"lights[0]", "position"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"type\": \"point\"}]}",
+       {":2:29: lights[0]: found no key \"position\"", "where the light stands"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"position\": [0, 0, 1]}]}",
+       {":2:29: lights[0]: found a \"position\" but no \"type\"", "\"point\""}},
+      {HEAD "\"spheres\": [{}], \"lights\": {}}", {":2:28: lights: found an object", "at most 64 lights"}},
+      {HEAD "\"spheres\": [{}],\n\"lights\": [" LIGHTS_64 "{\"direction\": [0, 0, 1]}]}",
+       {":3:11: lights: found a list of 65", "at most 64 lights"}},
       {HEAD "\"spheres\": [{}], \"lights\": [{}]}", {"lights[0]", "direction"}},
-      {HEAD "\"spheres\": [{}], \"lights\": [{\"direction\": [0, 0, 0]}]}", {"lights[0]", "isn't zero"}},
+      {HEAD "\"spheres\": [{}], \"lights\": [{\"direction\": [0, 0, 0]}]}",
+       {":2:43: lights[0].direction: found the direction (0, 0, 0)", "with a length"}},
       {HEAD "\"spheres\": [{}], \"lights\": [{\"direction\": [0, 0, 1], \"intensity\": -1}]}", {"intensity", "-1"}},
       {HEAD "\"spheres\": [{}], \"shadows\": 1}", {"shadows", "true or false"}},
       {HEAD "\"spheres\": [{}], \"ambient\": \"dim\"}", {"ambient", "dim"}},
       {HEAD "\"spheres\": [{}], \"camera\": 1}", {"camera", "an object"}},
       {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"fisheye\"}}", {"camera.type", "fisheye", "perspective"}},
-      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"perspective\"}}", {"position"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"perspective\"}}",
+       {":2:28: camera: found no key \"position\"", "where the camera stands"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"position\": [0, 0, 5], \"target\": [0, 0, 0]}}",
+       {":2:28: camera: found a \"position\" but no \"type\"", "\"perspective\" or \"orthographic\""}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"perspective\", \"position\": [0,0,9], \"target\": [0,0,9]}}",
+       {":2:28: camera: found position and target in one place"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"perspective\", \"position\": [0,9,0], \"target\": [0,0,0]}}",
+       {":2:28: camera: found the up (0, 1, 0)", "doesn't look along"}},
       {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"orthographic\", \"position\": [0,0,9], \"target\": [0,0,0]}}",
        {"height"}},
       {HEAD "\"spheres\": [{}], \"camera\": {\"view\": \"behind\"}}", {"camera.view", "behind", "three-quarter"}},
-      {HEAD "\"spheres\": [{}], \"camera\": {\"up\": [1, 1, 0]}}", {"camera.up", "axis"}},
-      {HEAD "\"spheres\": [{}], \"camera\": {\"height\": 2}}", {"height", "unknown key"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"up\": [1, 1, 0]}}", {":2:35: camera.up: found [1, 1, 0]", "axis"}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"height\": 2}}", {"camera: found a \"height\" but no \"type\""}},
+      {HEAD "\"spheres\": [{}], \"camera\": {\"type\": \"fit\", \"height\": 2}}", {"camera.height", "unknown key"}},
       {HEAD "\"spheres\": [{}], \"camera\": {\"fov\": 171}}", {"camera.fov", "171"}},
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -228,15 +247,30 @@ static void test_missing_mesh(void **state) {
   StyError error = {STY_OK, ""};
   assert_int_equal(read_text(*state, HEAD "\"objects\": [{\"mesh\": \"cone.obj\"}]}", &scene, &viewpoint, &error),
                    STY_ERROR_FILE);
-  assert_non_null(strstr(error.text, "cone.obj"));
+  assert_non_null(strstr(error.text, "scene.json:2:22: objects[0].mesh: "));
+  assert_non_null(strstr(error.text, "cone.obj: "));
   assert_null(scene);
+  assert_int_equal(read_text(*state, HEAD "\"objects\": [{\"mesh\": \"scene.json\"}]}", &scene, &viewpoint, &error),
+                   STY_ERROR_INPUT);
+  assert_non_null(strstr(error.text, "scene.json:2:22: objects[0].mesh: "));
+  assert_null(scene);
+}
+
+/* What editors put before a file's first character doesn't count. */
+static void test_byte_order_mark(void **state) {
+  StyViewpoint viewpoint;
+  StyScene *scene = read_good(*state, "\xef\xbb\xbf" HEAD "\"spheres\": [{}]}", &viewpoint);
+  StyError error = {STY_OK, ""};
+  sty_destroy_scene(&scene);
+  assert_int_equal(read_text(*state, "\xef\xbb\xbf{\"sphere\": []}", &scene, &viewpoint, &error), STY_ERROR_INPUT);
+  assert_non_null(strstr(error.text, ":1:12: sphere"));
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_whole),        cmocka_unit_test(test_defaults), cmocka_unit_test(test_stands),
-      cmocka_unit_test(test_camera_alone), cmocka_unit_test(test_refused),  cmocka_unit_test(test_lights),
-      cmocka_unit_test(test_missing_mesh),
+      cmocka_unit_test(test_whole),        cmocka_unit_test(test_defaults),        cmocka_unit_test(test_stands),
+      cmocka_unit_test(test_camera_alone), cmocka_unit_test(test_refused),         cmocka_unit_test(test_lights),
+      cmocka_unit_test(test_missing_mesh), cmocka_unit_test(test_byte_order_mark),
   };
   return cmocka_run_group_tests(tests, open_scratch, close_scratch);
 }
