@@ -174,3 +174,23 @@ wrong() {
   refuse 1 'strokes, warp' guide bend pairs.json -o out.exr
   wait
 }
+
+@test "the README's way to bend a picture" {
+  mkdir -p exemplars/pictures
+  cp "$exemplars/warp.json" exemplars/
+  # A picture that shows its own places.
+  oiiotool --pattern fill:topleft=0.00111,0.00098:topright=0.99889,0.00098:bottomleft=0.00111,0.99902:bottomright=0.99889,0.99902 \
+    450x512 3 -d uint16 -o exemplars/pictures/oil.png
+  accept guide warp exemplars/warp.json -s 450x512 -o warp.exr
+  sed -n '/^oiiotool exemplars\/pictures\/oil.png/,/bent.png$/p' "$STYLUT_ROOT/README.md" >bend.sh
+  expect_less 'lines in the README' 1 "$(wc -l <bend.sh)"
+  sed -i 's/-o bent.png/-d float -o bent.exr/' bend.sh
+  bash bend.sh
+  dump bent.exr R,G >bent.txt
+  dump warp.exr motion.U,motion.V,A >field.txt
+  # Well inside the picture, where the filter has all its pixels.
+  expect_less 'pixels' 150000 "$(paste -d ' ' bent.txt field.txt | awk '$9 && $5 == $1 && $6 == $2' | wc -l)"
+  expect 'pixels off by more than half' "$(paste -d ' ' bent.txt field.txt | awk '
+    { u = $1 + 0.5 + $7; v = $2 + 0.5 + $8; du = 450 * $3 - u; dv = 512 * $4 - v }
+    $9 && u > 5 && v > 5 && u < 445 && v < 507 && (du * du > 0.25 || dv * dv > 0.25)' | wc -l)" 0
+}
