@@ -3,7 +3,10 @@
  * World: as in the file, right-handed. Trace space, used inside: the file's
  * coordinates recentred and rescaled so that the mesh fits the cube [-1, 1]^3,
  * because ray casters miss geometry that is tiny or far from the origin;
- * world = trace / scale + centre. */
+ * world = trace / scale + centre.
+ *
+ * Threads: nothing is kept between calls. Functions that take a const mesh may
+ * run side by side on one; those that change it need it for themselves. */
 #ifndef STYLUT_MESH_H
 #define STYLUT_MESH_H
 
@@ -36,7 +39,7 @@ typedef struct StyPicture {
 } StyPicture;
 
 typedef struct StyMesh {
-  char *path; /* the file */
+  char *path; /* the file; NULL: made by a program */
   size_t vertex_count;
   size_t triangle_count;
   int part_count;       /* parts of the file; ids are 1 .. part_count */
@@ -74,22 +77,33 @@ static inline int sty_get_part(const StyMesh *mesh, size_t triangle) {
   return mesh->part_ids ? (int)mesh->part_ids[triangle] : 1;
 }
 
-/* Bytes of what rays need of a mesh: vertices, indices and parts. */
+/* What messages call it: its file. */
+static inline const char *sty_name_mesh(const StyMesh *mesh) {
+  return mesh->path ? mesh->path : "a mesh without a file";
+}
+
+/* Bytes of what rays need of a mesh: vertices, indices and parts. Never fails. */
 double sty_get_mesh_bytes(const StyMesh *mesh);
 
-/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb, .fbx or .off. */
+/* By its ending, of any case: .obj, .ply, .stl, .gltf, .glb, .fbx or .off. Opens nothing. */
 bool sty_is_mesh_file(const char *path);
 
 /* Reads OBJ, PLY, STL, glTF, FBX or OFF: binary PLY files of triangles here, where reading takes no more than a quarter
  * of the mesh's bytes beside them; all others through Assimp, in a process of its own and at a multiple of that. Every
- * index and coordinate is checked. Zero-area triangles are left out. The caller owns the mesh.
+ * index and coordinate is checked. Zero-area triangles are left out. The caller owns the mesh; the path and the options
+ * are its own again after the call.
+ * Several threads may each read a mesh. Where one goes through Assimp the process forks: the child has the calling
+ * thread alone, calls nothing but Assimp and malloc, and is waited for by its number, so a program must not reap
+ * children that it didn't start. It holds what pipes are open when it begins: of two imports side by side, one that
+ * crashes may be noticed only when the other ends. The run's progress and stage are called from the calling thread.
  * Errors: STY_ERROR_FILE (cannot be read), STY_ERROR_INPUT (not a mesh, no
  * faces, all faces without area, NaN or infinite coordinates, indices out of
  * range; the message names the file and the first offending vertex or face),
- * STY_ERROR_LIBRARY (memory). Textures aren't opened. */
+ * STY_ERROR_LIBRARY (memory, no process for the importer), STY_ERROR_USAGE (a
+ * crease angle beyond 180). Textures aren't opened. */
 StyStatus sty_read_mesh(const char *path, const StyMeshOptions *options, StyMesh **out, StyError *error);
 
-/* Frees and nulls *mesh. */
+/* Frees and nulls *mesh and all it owns; does nothing for NULL. */
 void sty_destroy_mesh(StyMesh **mesh);
 
 #ifdef __cplusplus

@@ -3,7 +3,10 @@
  * A soup is triangles that need not be the surface of anything. It renders as it is; what suffers are
  * computed normals, where neighbours are wound against each other or a triangle lies there twice.
  * Points are places: vertices at the same coordinates, to the bit, are one point, whatever their normals
- * and texture coordinates. Edges join two points. */
+ * and texture coordinates. Edges join two points.
+ *
+ * Threads: nothing is kept between calls. A mesh or scene may be surveyed by several threads at a time; one that is
+ * repaired must be seen by no other. Nothing here is handed over: the caller owns what it passes. */
 #ifndef STYLUT_REPAIR_H
 #define STYLUT_REPAIR_H
 
@@ -28,7 +31,8 @@ typedef struct StyMeshSurvey {
   size_t components; /* of triangles that share edges */
 } StyMeshSurvey;
 
-/* Looks at a mesh and changes nothing. Needs memory for some 70 bytes a triangle. STY_ERROR_LIBRARY. */
+/* Looks at a mesh and changes nothing. Needs memory for some 70 bytes a triangle. STY_ERROR_LIBRARY: memory. *out is
+ * written on success. */
 StyStatus sty_survey_mesh(const StyMesh *mesh, StyMeshSurvey *out, StyError *error);
 
 typedef struct StyRepair {
@@ -41,10 +45,11 @@ typedef struct StyRepair {
  * orient_polygon_soup, which is called only where neighbours clash). Then normals that were computed are computed
  * again; those of the file stay. Holes are counted, not filled. A mesh that has nothing to repair keeps every byte.
  * On failure the mesh is as it was. STY_ERROR_UNAVAILABLE (neighbours clash, and this is a build without CGAL),
- * STY_ERROR_LIBRARY. */
+ * STY_ERROR_LIBRARY (memory, or CGAL failed). *out is written on success. */
 StyStatus sty_repair_mesh(StyMesh *mesh, StyRepair *out, StyError *error);
 
-/* All meshes of a scene, and the sums. */
+/* All meshes of a scene, each once, and the sums. Errors: those of the one mesh; meshes before it that were repaired
+ * stay so. */
 StyStatus sty_survey_scene(const StyScene *scene, StyMeshSurvey *out, StyError *error);
 StyStatus sty_repair_scene(StyScene *scene, StyRepair *out, StyError *error);
 

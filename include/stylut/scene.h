@@ -3,7 +3,11 @@
  * Frames. World: right-handed; objects bring their file's coordinates there by
  * their transform. View: +X right, +Y up, +Z toward the viewer (the camera looks
  * along -Z). Trace space, used inside: world recentred and rescaled so that the
- * scene fits the cube [-1, 1]^3, as in mesh.h; world = trace / scale + centre. */
+ * scene fits the cube [-1, 1]^3, as in mesh.h; world = trace / scale + centre.
+ *
+ * Threads: nothing is kept between calls. Functions that take a const scene may run side by side on one; those that
+ * change it (sty_add_..., sty_finish_scene, sty_destroy_scene) need it for themselves. All that can fail may do so for
+ * lack of memory, STY_ERROR_LIBRARY; other reasons are said with each. Out parameters are written on success. */
 #ifndef STYLUT_SCENE_H
 #define STYLUT_SCENE_H
 
@@ -78,18 +82,20 @@ typedef struct StyScene {
 
 extern const double sty_identity[3][4];
 
-/* An empty scene, evenly lit (ambient 1, with shadows); the caller owns it. Frees and nulls *scene and all it owns. */
+/* An empty scene, evenly lit (ambient 1, with shadows); the caller owns it. sty_destroy_scene frees and nulls *scene
+ * and all it owns, and does nothing for NULL. */
 StyStatus sty_create_scene(StyScene **out, StyError *error);
 void sty_destroy_scene(StyScene **scene);
 
 /* The number of the texture at this path, which is remembered but not opened. Who names it stands at the beginning of
  * messages about the file; of those that name the same the first, NULL: nobody. Pictures that a mesh brings along
- * become the scene's with the mesh, and its paints then have their numbers here. */
+ * become the scene's with the mesh, and its paints then have their numbers here. Both texts are copied.
+ * STY_ERROR_INPUT: more than STY_MOST_TEXTURES. */
 StyStatus sty_add_texture(StyScene *scene, const char *path, const char *named_by, int *number, StyError *error);
 
-/* These append. A mesh is taken over (*mesh becomes NULL, on failure too) and *number says
- * which it is. STY_ERROR_INPUT: a transform without a volume or with values that aren't
- * finite, a radius that isn't positive, a light without a direction, more than
+/* These append; what is passed by const pointer is copied. A mesh is taken over (*mesh becomes NULL, on failure too)
+ * and *number says which it is. An object's mesh and texture must be the scene's. STY_ERROR_INPUT: a transform without
+ * a volume or with values that aren't finite, a radius that isn't positive, a light without a direction, more than
  * STY_MOST_OBJECTS, STY_MOST_LIGHTS or STY_MOST_TEXTURES. */
 StyStatus sty_add_mesh(StyScene *scene, StyMesh **mesh, int *number, StyError *error);
 StyStatus sty_add_object(StyScene *scene, const StyObject *object, StyError *error);
@@ -101,7 +107,8 @@ StyStatus sty_add_light(StyScene *scene, const StyLight *light, StyError *error)
  * extent, one that reaches beyond 1e30, or with an object that is too thin for it. */
 StyStatus sty_finish_scene(StyScene *scene, StyError *error);
 
-/* A scene of one mesh as it stands in its file, of style 1, finished; the mesh is taken over. */
+/* A scene of one mesh as it stands in its file, of style 1, finished; the mesh is taken over (*mesh becomes NULL, on
+ * failure too), and the caller owns the scene. Errors: those of the calls above. */
 StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error);
 
 /* STY_ERROR_INPUT unless `other` can be an earlier state of the same scene: as many objects and spheres, and objects of
@@ -114,7 +121,7 @@ StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError
  * texture coordinates. `tell` copies what it keeps. */
 void sty_review_scene(const StyScene *scene, void (*tell)(void *context, const char *line), void *context);
 
-/* Triangles of all objects, shared ones counted for each. */
+/* Triangles of all objects, shared ones counted for each. Never fails. */
 size_t sty_count_scene_triangles(const StyScene *scene);
 
 /* The world axis that points up. Its "front", where azimuth is 0, is seen from
@@ -122,7 +129,7 @@ size_t sty_count_scene_triangles(const StyScene *scene);
 typedef enum StyUpAxis { STY_UP_Y, STY_UP_Z, STY_UP_X, STY_UP_MINUS_Y, STY_UP_MINUS_Z, STY_UP_MINUS_X } StyUpAxis;
 extern const char *const sty_up_axis_names[]; /* NULL-terminated, in the enum's order */
 
-/* The axis that is this unit vector of the world; false: none is. */
+/* The axis that is this unit vector of the world; false: none is, and *out stays. */
 bool sty_find_up_axis(const double up[3], StyUpAxis *out);
 
 /* Where the eye is, as people say it. */
@@ -154,8 +161,9 @@ typedef struct StyCamera {
   double half_width, half_height;  /* of the film; at distance 1 for perspective */
 } StyCamera;
 
-/* The camera that looks at the scene from `view` and holds all of it with the
- * margin, for a picture of width x height square pixels. */
+/* The camera that looks at the scene, which is finished, from `view` and holds all of it with the
+ * margin, for a picture of width x height square pixels. STY_ERROR_USAGE: a value of the view beyond its bounds, or a
+ * picture without pixels. STY_ERROR_INPUT: a scene without an extent in this view. */
 StyStatus sty_fit_camera(const StyScene *scene, const StyView *view, int width, int height, StyCamera *out,
                          StyError *error);
 
@@ -167,7 +175,8 @@ typedef struct StyStand {
   double height; /* of what the film sees, world units; orthographic only */
 } StyStand;
 
-/* STY_ERROR_INPUT: a stand without a direction, an up that it looks along, or a film without a size. */
+/* Of the scene only its trace space counts. STY_ERROR_INPUT: a stand without a direction, an up that it looks along, or
+ * a film without a size. STY_ERROR_USAGE: a picture without pixels. */
 StyStatus sty_place_camera(const StyScene *scene, const StyStand *stand, int width, int height, StyCamera *out,
                            StyError *error);
 

@@ -25,7 +25,7 @@ static StyStatus list_first_corners(const StyMesh *mesh, uint32_t **out, StyErro
   StyStatus status = ids && firsts && *out
                          ? sty_number_distinct(mesh->positions, 3 * sizeof *mesh->positions, vertices,
                                                3 * sizeof *mesh->positions, ids, &places, error)
-                         : sty_fail_memory(error, mesh->path, (double)(corners + 2 * vertices) * sizeof *ids);
+                         : sty_fail_memory(error, sty_name_mesh(mesh), (double)(corners + 2 * vertices) * sizeof *ids);
   for (size_t p = 0; p < places; p++) firsts[p] = UINT32_MAX;
   for (size_t c = 0; c < corners && !status; c++) {
     uint32_t *first = &firsts[ids[mesh->indices[c]]];
@@ -70,7 +70,7 @@ static StyStatus check_meshes(int object, const StyMesh *here, const StyMesh *th
   return sty_fail(
       error, STY_ERROR_INPUT,
       "object %d: found that triangle %zu of %s has other neighbours than in %s, expected the same triangles",
-      object + 1, triangle + 1, there->path, here->path);
+      object + 1, triangle + 1, sty_name_mesh(there), sty_name_mesh(here));
 }
 
 StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error) {

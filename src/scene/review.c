@@ -53,7 +53,7 @@ static void review_objects(const Review *review) {
       tell(review,
            "object %d: found a texture on %s, which has no texture coordinates, expected some: it shows one texel "
            "all over",
-           o + 1, mesh->path);
+           o + 1, sty_name_mesh(mesh));
   }
 }
 

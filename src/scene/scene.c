@@ -52,7 +52,7 @@ static int find_texture(const StyScene *scene, const char *path) {
   return -1;
 }
 
-/* Takes the picture over, unless it fails. */
+/* Takes what the picture owns over, unless it fails. */
 static StyStatus append_texture(StyScene *scene, const StyPicture *picture, StyError *error) {
   if (scene->texture_count == STY_MOST_TEXTURES)
     return sty_fail(error, STY_ERROR_INPUT, "scene: found more than %d textures, expected no more", STY_MOST_TEXTURES);
@@ -65,12 +65,12 @@ static StyStatus append_texture(StyScene *scene, const StyPicture *picture, StyE
 
 /* Takes the picture over, unless it fails or the scene has it. */
 static StyStatus take_texture(StyScene *scene, StyPicture *picture, int *number, StyError *error) {
-  *number = find_texture(scene, picture->path);
-  if (*number >= 0) return STY_OK;
-  *number = scene->texture_count;
-  const StyStatus status = append_texture(scene, picture, error);
-  if (!status) *picture = (StyPicture){0};
-  return status;
+  const int known = find_texture(scene, picture->path);
+  const StyStatus status = known < 0 ? append_texture(scene, picture, error) : STY_OK;
+  if (status) return status;
+  *number = known < 0 ? scene->texture_count - 1 : known;
+  if (known < 0) *picture = (StyPicture){0};
+  return STY_OK;
 }
 
 StyStatus sty_add_texture(StyScene *scene, const char *path, const char *named_by, int *number, StyError *error) {
