@@ -531,7 +531,7 @@ static void test_sinks_may_fail(void **state) {
   StyScene *scene = open_scene();
   add_sphere(scene, 0, 0, 0, 1);
   assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
-  const StyTraceOptions options = {.width = 8, .height = 2000, .groups = STY_GUIDE_NORMAL};
+  const StyTraceOptions options = {.width = 8, .height = 20000, .groups = STY_GUIDE_NORMAL};
   const StyCamera camera = place(scene, &IN_FRONT, &options);
   int calls = 0;
   StyError error;
