@@ -81,11 +81,10 @@ typedef struct StyStrip {
 /* Misses all over. */
 void sty_clear_strip(const StyChannels *channels, StyStrip *strip);
 
-/* Asks the processor for the memory that a strip will soon be written to: waiting for it would take longer than the
- * writing. */
-void sty_expect_strip(const StyGuide *guide, int x, int y);
-
 /* Writes a strip whose first pixel is (x, y); what lies outside the guide is left out. */
 void sty_write_strip(const StyStrip *strip, int x, int y, const StyGuide *guide);
+
+/* Other threads will see the strips that this one has written. */
+void sty_finish_strips(void);
 
 #endif

@@ -50,6 +50,7 @@ static void fill_sphere(const StyGuide *guide, unsigned groups) {
       }
       sty_write_strip(&strip, x0, y, guide);
     }
+  sty_finish_strips();
 }
 
 static StyStatus draw_contours(const StyGuide *guide, StyError *error) {

@@ -29,6 +29,7 @@ typedef struct Render {
   StyFilm film;
   StySight sight;
   unsigned groups; /* what is asked for, and what that takes */
+  bool is_lit;     /* lights shine into some of it; all else is bounded */
   StyChannels channels;
   unsigned parts;     /* StyHitPart */
   StyPathWorld world; /* for light paths */
@@ -115,7 +116,7 @@ static StyStatus trace_strip(const Band *band, int x0, int y, int right, Bench *
   StyStatus status = STY_OK;
   for (int x = x0; x < right && !status; x += STY_BLOCK_WIDTH) {
     if (!look_at_block(render, x, band->first + y, bench)) continue;
-    if (render->groups & STY_LIT)
+    if (render->is_lit)
       status = check_light(&render->channels, &bench->block, &bench->samples, x, band->first + y, error);
     render->kernels->set_samples(&render->channels, x - x0, bench->block.valid, &bench->samples, &bench->strip);
   }
@@ -134,14 +135,13 @@ static StyStatus trace_tile(void *context, long tile, StyError *error) {
   EACH_LANE bench.samples.coverage[i] = 1;
   StyStatus status = STY_OK;
   for (int y = y0; y < bottom && !status; y += STY_BLOCK_HEIGHT) {
-    sty_expect_strip(band->guide, x0, y);
-    if (render->sources.image) sty_expect_strip(&render->sources, x0, y + ROWS_ABOVE);
     sty_clear_strip(&render->channels, &bench.strip);
     const bool in_sight = sty_is_in_sight(&render->film, x0, band->first + y, TILE, STY_BLOCK_HEIGHT);
     if (in_sight) status = trace_strip(band, x0, y, right, &bench, error);
     sty_write_strip(&bench.strip, x0, y, band->guide);
     if (render->sources.image) sty_write_strip(&bench.strip, x0, y + ROWS_ABOVE, &render->sources);
   }
+  sty_finish_strips();
   return status;
 }
 
@@ -229,7 +229,7 @@ static unsigned get_parts(unsigned groups, const StyScene *scene) {
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
   if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | STY_COLOURED)) parts |= STY_HIT_OWNER;
-  if (groups & STY_LIT) parts |= STY_HIT_LEAVE;
+  if (groups & STY_GUIDE_PATHS || (groups & STY_GUIDE_LUMA && scene->light_count > 0)) parts |= STY_HIT_LEAVE;
   return parts;
 }
 
@@ -240,6 +240,7 @@ static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *t
   render->groups = options->groups;
   if (options->groups & STY_GUIDE_CONTOUR) render->groups |= STY_CONTOUR_SOURCES;
   render->channels = sty_list_channels(render->groups);
+  render->is_lit = render->groups & STY_LIT && scene->light_count > 0;
   render->parts = get_parts(render->groups, scene);
   render->kernels = sty_get_kernels();
   render->sight = (StySight){scene, render->camera, render->groups, options->flat, options->ray_frame};
