@@ -37,7 +37,7 @@ static inline void normalize_lanes(StyLane *vectors) {
   dot_lanes(vectors, vectors, squared);
   SIMD_LANES {
     const double length = sqrt(squared[i]), inverse = 1 / length;
-    const double factor = (length > 0) & (length < INFINITY) & (inverse < INFINITY) ? inverse : 1;
+    const double factor = ((length > 0) & (length < INFINITY) & (inverse < INFINITY)) ? inverse : 1;
     for (int k = 0; k < 3; k++) vectors[k][i] *= factor;
   }
 }
@@ -163,7 +163,7 @@ static inline void find_curvature(const Placed *placed, const StyLane *ab, const
     const double determinant = aa[i] * bb[i] - mixed[i] * mixed[i];
     const double divergence = bb[i] * on_ab[0][i] + aa[i] * on_ac[1][i] - mixed[i] * (on_ac[0][i] + on_ab[1][i]);
     const double mean = divergence / (2 * determinant * size[i]);
-    curvature[i] = (determinant > 0) & (size[i] != 0) ? mean : 0;
+    curvature[i] = ((determinant > 0) & (size[i] != 0)) ? mean : 0;
   }
 }
 
@@ -323,7 +323,9 @@ static void draw_outlines(const StyOutlines *given) {
   const int last = outlines.width - 1;
   float *restrict strength = outlines.strength;
   strength[0] = get_strength(&outlines, 0, 0, last > 0, 0);
+#ifndef __clang__ /* whose version 14 says that it can't */
 #pragma omp simd
+#endif
   for (int x = 1; x < last; x++) strength[x] = get_strength(&outlines, x, x - 1, x + 1, 1);
   if (last > 0) strength[last] = get_strength(&outlines, last, last - 1, last, 0);
 }
