@@ -23,8 +23,8 @@ static StyStatus fail_kind(Options *options, const char *word) {
     return sty_fail(&options->error, STY_ERROR_USAGE,
                     "guide %s: found behind options, expected 'stylut guide %s' and then those", word, word);
   return sty_fail(&options->error, STY_ERROR_USAGE,
-                  "guide: found '%s', expected sphere, scene, import, strokes, warp or flow%s", word,
-                  hint_at(word, names, hint));
+                  "guide: found %s%s%s, expected sphere, scene, import, strokes, warp or flow%s", word[0] ? "'" : "",
+                  word[0] ? word : "nothing", word[0] ? "'" : "", hint_at(word, names, hint));
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {

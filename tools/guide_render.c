@@ -232,9 +232,8 @@ static void warn_of_nothing(const Work *work) {
          "%s: found that no pixel's centre shows the mesh, expected more pixels or another view", output);
   else
     warn(&work->arguments->options,
-         "%s: found that no pixel's centre shows the scene, expected its camera, at (%g, %g, %g), to look at it: it "
-         "looks "
-         "at (%g, %g, %g)",
+         "%s: found that no pixel's centre shows the scene, expected its camera, at (%g, %g, %g), to see it: it "
+         "looks at (%g, %g, %g)",
          output, stand->position[0], stand->position[1], stand->position[2], stand->target[0], stand->target[1],
          stand->target[2]);
 }

@@ -117,8 +117,8 @@ StyStatus sty_wrap_mesh(StyMesh **mesh, StyScene **out, StyError *error);
 StyStatus sty_check_alike(const StyScene *scene, const StyScene *other, StyError *error);
 
 /* Tells, line by line, what in a finished scene is most likely a mistake and is rendered all the same: material files
- * and textures that aren't there (no channel needs them, or they would be errors), textures on meshes that have no
- * texture coordinates. `tell` copies what it keeps. */
+ * and textures that aren't there (no channel needs them, or they would be errors), textures on parts that have no
+ * texture coordinates, things too small for floats beside the rest. `tell` copies what it keeps. */
 void sty_review_scene(const StyScene *scene, void (*tell)(void *context, const char *line), void *context);
 
 /* Triangles of all objects, shared ones counted for each. Never fails. */

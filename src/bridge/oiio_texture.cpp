@@ -133,6 +133,7 @@ OIIO::TextureSystem &get_system() {
 struct StyTextureMap {
   OIIO::ustring path;
   OIIO::TextureSystem::TextureHandle *handle = nullptr;
+  int width = 0, height = 0;
 };
 
 namespace sty {
@@ -144,6 +145,8 @@ StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error) {
     texture->path = OIIO::ustring(path);
     system.invalidate(texture->path);  // what an earlier texture of this path has left
     just_read = read_picture(path, error);
+    texture->width = just_read.image->width;
+    texture->height = just_read.image->height;
     system.imagecache()->add_file(texture->path, make_picture, nullptr, true);
     just_read = {};
     texture->handle = system.get_texture_handle(texture->path);
@@ -163,6 +166,12 @@ void close_texture(StyTextureMap **texture) {
   *texture = nullptr;
 }
 
+// The centre of the texel that holds a place from 0 to below 1: on the border between two, OpenImageIO would take the
+// one before.
+static double centre_on_texel(double place, int texels) {
+  return (std::fmin(std::floor(place * texels), texels - 1) + 0.5) / texels;
+}
+
 bool sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]) {
   out[0] = out[1] = out[2] = 0;
   if (!std::isfinite(uv[0]) || !std::isfinite(uv[1])) return true;
@@ -172,8 +181,9 @@ bool sample_texture(const StyTextureMap *texture, const double uv[2], bool neare
   options.interpmode = nearest ? OIIO::TextureOpt::InterpClosest : OIIO::TextureOpt::InterpBilinear;
   try {
     // Within one period first: a float has no fraction left far from it. Rows count from the top.
-    const double u = uv[0] - std::floor(uv[0]), v = 1 - (uv[1] - std::floor(uv[1]));
-    return get_system().texture(texture->handle, nullptr, options, float(u), float(v), 0, 0, 0, 0, 3, out);
+    double u = uv[0] - std::floor(uv[0]), v = uv[1] - std::floor(uv[1]);
+    if (nearest) u = centre_on_texel(u, texture->width), v = centre_on_texel(v, texture->height);
+    return get_system().texture(texture->handle, nullptr, options, float(u), float(1 - v), 0, 0, 0, 0, 3, out);
   } catch (...) {  // memory
     return false;
   }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "bridge/texture.h"
@@ -33,9 +34,17 @@ static void mark_used(const StyScene *scene, bool *used) {
     if (scene->spheres[s].material.paint.texture >= 0) used[scene->spheres[s].material.paint.texture] = true;
 }
 
+/* Files that must be left to open beside those of pictures that came inside others. */
+enum { SPARE_FILES = 16 };
+
 /* A file without a place for what came inside another: picture libraries read files. Its path lives as long as it. */
 static StyStatus make_file(const StyPicture *picture, int *file, char path[32], StyError *error) {
+  struct rlimit files;
   *file = memfd_create("picture", MFD_CLOEXEC);
+  if (getrlimit(RLIMIT_NOFILE, &files) == 0 && (*file < 0 || (rlim_t)*file + SPARE_FILES > files.rlim_cur))
+    return sty_fail(error, STY_ERROR_LIBRARY,
+                    "%s: found no room for another open file, expected more than the %llu that 'ulimit -n' grants",
+                    picture->path, (unsigned long long)files.rlim_cur);
   for (size_t done = 0; *file >= 0 && done < picture->size;) {
     const ssize_t written = write(*file, picture->bytes + done, picture->size - done);
     if (written <= 0) return sty_fail_memory(error, picture->path, (double)picture->size);

@@ -195,6 +195,9 @@ void sty_leave_hit(const StyHits *hits, int i, const double to[3], StyRay *out) 
   memcpy(out->direction, to, sizeof out->direction);
 }
 
+/* What a lamp touches doesn't hide it: shadow rays end this share of their length before it. */
+static const double LAMP_SLACK = 0x1p-18;
+
 void sty_trace_shadows(const StyTracer *tracer, const StyHits *hits, const StyLane to[3], const StyLane distances,
                        int *asks) {
   struct RTCIntersectContext context;
@@ -211,7 +214,7 @@ void sty_trace_shadows(const StyTracer *tracer, const StyHits *hits, const StyLa
   }
   set_rays(&packet, &rays);
   for (int i = 0; i < STY_RAYS; i++)
-    if (asks[i]) packet.tfar[i] = (float)distances[i];
+    if (asks[i]) packet.tfar[i] = (float)(distances[i] * (1 - LAMP_SLACK));
   rtcOccluded8(asks, tracer->scene, &context, &packet);
   for (int i = 0; i < STY_RAYS; i++)
     if (asks[i] && packet.tfar[i] < 0) asks[i] = 0;

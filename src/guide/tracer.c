@@ -187,8 +187,11 @@ static StyStatus build_tracer(StyTracer *tracer, const StyScene *scene, StyError
   const StyStatus status = place_all(tracer, scene, error);
   if (status) return status;
   tracer->device = rtcNewDevice("threads=1");
-  if (!tracer->device)
-    return sty_fail(error, STY_ERROR_LIBRARY, "Embree does not start (code %d)", (int)rtcGetDeviceError(NULL));
+  if (!tracer->device) {
+    const enum RTCError code = rtcGetDeviceError(NULL);
+    return sty_fail(error, STY_ERROR_LIBRARY, "Embree does not start (%s, code %d)",
+                    code == RTC_ERROR_OUT_OF_MEMORY ? "found too little memory" : "no reason given", (int)code);
+  }
   rtcSetDeviceErrorFunction(tracer->device, keep_message, tracer);
   rtcSetDeviceMemoryMonitorFunction(tracer->device, count_bytes, tracer);
   tracer->scene = make_tree(tracer);

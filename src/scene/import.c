@@ -7,6 +7,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/version.h>
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,6 +29,7 @@ enum { MAX_NODE_DEPTH = 256 };
 /* A mesh of the file as one node shows it. */
 typedef struct Part {
   const struct aiMesh *mesh;
+  const struct aiVector3D *uvs; /* 1 per vertex; NULL: it has none */
   unsigned mesh_number;
   double matrix[3][4];    /* mesh to world */
   double cofactors[3][3]; /* for normals: proportional to the inverse transpose, same side */
@@ -88,15 +90,35 @@ static StyStatus fail_library(const char *path, StyError *error) {
                   reason[0] ? reason : "nothing");
 }
 
-static bool has_uvs(const struct aiMesh *mesh) { return mesh->mTextureCoords[0] && mesh->mNumUVComponents[0] >= 2; }
+/* What the material calls its picture, and by which of the texture coordinates it is looked up: base colours of glTF
+ * files, diffuse ones of others. */
+static bool name_texture(const struct aiMaterial *material, struct aiString *name, unsigned *uv_set) {
+  static const enum aiTextureType TYPES[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
+  for (size_t t = 0; t < sizeof TYPES / sizeof *TYPES; t++)
+    if (aiGetMaterialTexture(material, TYPES[t], 0, name, NULL, uv_set, NULL, NULL, NULL, NULL) == aiReturn_SUCCESS &&
+        name->length > 0)
+      return true;
+  return false;
+}
+
+/* The texture coordinates that a mesh's picture is looked up by, else the first; NULL: there are none. */
+static const struct aiVector3D *find_uvs(const Import *import, const struct aiMesh *mesh) {
+  struct aiString name;
+  unsigned set = 0;
+  const bool textured = mesh->mMaterialIndex < import->file->mNumMaterials &&
+                        name_texture(import->file->mMaterials[mesh->mMaterialIndex], &name, &set);
+  if (!textured || set >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh->mTextureCoords[set]) set = 0;
+  return mesh->mNumUVComponents[set] >= 2 ? mesh->mTextureCoords[set] : NULL;
+}
 
 static StyStatus check_vertices(const Import *import, unsigned m, StyError *error) {
   const struct aiMesh *mesh = import->file->mMeshes[m];
+  const struct aiVector3D *uvs = find_uvs(import, mesh);
   StyStatus status = STY_OK;
   for (unsigned v = 0; v < mesh->mNumVertices && !status; v++) {
     const float at[3] = {mesh->mVertices[v].x, mesh->mVertices[v].y, mesh->mVertices[v].z};
     float uv[2] = {0, 0};
-    if (has_uvs(mesh)) uv[0] = mesh->mTextureCoords[0][v].x, uv[1] = mesh->mTextureCoords[0][v].y;
+    if (uvs) uv[0] = uvs[v].x, uv[1] = uvs[v].y;
     status = sty_check_vertex(import->path, v, m, at, uv, error);
   }
   return status;
@@ -189,6 +211,9 @@ static StyStatus load_file(Import *import, StyError *error) {
   if (!import->file) return fail_library(import->path, error);
   if (import->log.bad_indices)
     return sty_fail(error, STY_ERROR_INPUT, "%s: a face asks for a vertex that the file does not hold", import->path);
+  /* What materials do to texture coordinates becomes part of them. */
+  import->file = aiApplyPostProcessing(import->file, aiProcess_TransformUVCoords);
+  if (!import->file) return fail_library(import->path, error);
   StyStatus status = check_meshes(import, error);
   return status == STY_OK ? cut_polygons(import, error) : status;
 }
@@ -223,7 +248,8 @@ static size_t count_triangles(const struct aiMesh *mesh) {
 
 /* The node's matrix with the mesh's frame folded in. */
 static Part make_part(const Import *import, unsigned m, const double node[3][4]) {
-  Part part = {.mesh = import->file->mMeshes[m], .mesh_number = m};
+  const struct aiMesh *mesh = import->file->mMeshes[m];
+  Part part = {.mesh = mesh, .uvs = find_uvs(import, mesh), .mesh_number = m};
   const Frame *frame = &import->frames[m];
   for (int i = 0; i < 3; i++) {
     part.matrix[i][3] = node[i][3];
@@ -251,7 +277,7 @@ static StyStatus add_part(Import *import, unsigned m, const double node[3][4], S
     import->part_capacity = capacity;
   }
   import->parts[import->part_count++] = make_part(import, m, node);
-  import->has_uvs |= has_uvs(import->file->mMeshes[m]);
+  import->has_uvs |= import->parts[import->part_count - 1].uvs != NULL;
   import->triangle_count += triangles;
   return STY_OK;
 }
@@ -270,14 +296,28 @@ static StyStatus add_node(Import *import, const struct aiNode *node, const doubl
   return status;
 }
 
+/* The axis that the file says points up: 0 to 2; that of all formats but FBX is y. */
+static int find_up_axis(const Import *import) {
+  const struct aiMetadata *data = import->file->mMetaData;
+  if (strcasecmp(find_extension(import->path), "fbx") != 0) return 1;
+  for (unsigned i = 0; data && i < data->mNumProperties; i++)
+    if (strcmp(data->mKeys[i].data, "UpAxis") == 0 && data->mValues[i].mType == AI_INT32)
+      return *(const int32_t *)data->mValues[i].mData;
+  return 1;
+}
+
 static StyStatus list_parts(Import *import, StyError *error) {
-  static const double IDENTITY[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+  static const double UPRIGHT[3][3][4] = {{{0, -1, 0, 0}, {1, 0, 0, 0}, {0, 0, 1, 0}},
+                                          {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+                                          {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
+  const int up = find_up_axis(import);
+  const double(*upright)[4] = UPRIGHT[up >= 0 && up <= 2 ? up : 1];
   StyStatus status = STY_OK;
-  if (import->file->mRootNode) status = add_node(import, import->file->mRootNode, IDENTITY, 0, error);
+  if (import->file->mRootNode) status = add_node(import, import->file->mRootNode, upright, 0, error);
   /* Meshes that no node shows are shown as they are. */
   if (import->part_count == 0)
     for (unsigned m = 0; m < import->file->mNumMeshes && status == STY_OK; m++)
-      status = add_part(import, m, IDENTITY, error);
+      status = add_part(import, m, upright, error);
   if (status == STY_OK && import->part_count == 0) return sty_fail_empty(import->path, error);
   return status;
 }
@@ -344,9 +384,9 @@ static void fill_corner(const Import *import, const StyMesh *mesh, const Part *p
   /* Adding zero turns negative zero into zero: corners compare by their bytes. */
   for (int k = 0; k < 3; k++) out->position[k] = (float)((world[k] - mesh->centre[k]) * mesh->scale) + 0.0f;
   if (import->keep_normals && part->mesh->mNormals) fill_file_normal(part, v, out->normal);
-  if (!has_uvs(part->mesh)) return;
-  out->uv[0] = part->mesh->mTextureCoords[0][v].x + 0.0f;
-  out->uv[1] = part->mesh->mTextureCoords[0][v].y + 0.0f;
+  if (!part->uvs) return;
+  out->uv[0] = part->uvs[v].x + 0.0f;
+  out->uv[1] = part->uvs[v].y + 0.0f;
 }
 
 static void fill_part(const Import *import, const Part *part, StyMesh *mesh, StyCorner *corners) {
@@ -385,16 +425,6 @@ static StyStatus fill_corners(const Import *import, StyMesh *mesh, StyCorner **o
 
 /* ---- materials ---- */
 
-/* What the material calls its picture: base colours of glTF files, diffuse ones of others. */
-static bool name_texture(const struct aiMaterial *material, struct aiString *name) {
-  static const enum aiTextureType TYPES[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
-  for (size_t t = 0; t < sizeof TYPES / sizeof *TYPES; t++)
-    if (aiGetMaterialTexture(material, TYPES[t], 0, name, NULL, NULL, NULL, NULL, NULL, NULL) == aiReturn_SUCCESS &&
-        name->length > 0)
-      return true;
-  return false;
-}
-
 /* The number of the picture inside the file that is called "*0" and so on or, in FBX, by the name of the file that it
  * once was; their count: there is none. */
 static unsigned find_inner_texture(const Import *import, const struct aiString *name) {
@@ -421,10 +451,23 @@ static StyPicture copy_inner_texture(const Import *import, unsigned number) {
   return picture;
 }
 
+/* As URIs write them: %20 for a blank. */
+static void decode_percent(char *text) {
+  char *out = text;
+  for (const char *c = text; *c; c++) {
+    const bool coded = c[0] == '%' && isxdigit((unsigned char)c[1]) && isxdigit((unsigned char)c[2]);
+    const char digits[3] = {c[1], coded ? c[2] : '\0', '\0'};
+    *out++ = coded ? (char)strtoul(digits, NULL, 16) : *c;
+    if (coded) c += 2;
+  }
+  *out = '\0';
+}
+
 /* One beside the file: where the name says or, where nothing is there, by the last part of the name, as FBX files tend
  * to hold paths of the computer that they were made on. */
 static StyPicture find_outer_texture(const char *path, struct aiString *name) {
   for (char *c = name->data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
+  if (strncasecmp(find_extension(path), "gl", 2) == 0) decode_percent(name->data);
   const char *slash = strrchr(name->data, '/');
   char *folder = sty_get_folder(path);
   StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL, .named_by = strdup(path)};
@@ -445,7 +488,8 @@ static StyPicture find_outer_texture(const char *path, struct aiString *name) {
 /* The picture of a part's material; without a path: none. */
 static StyPicture find_texture(const Import *import, const struct aiMaterial *material) {
   struct aiString name;
-  if (!name_texture(material, &name)) return (StyPicture){0};
+  unsigned uv_set;
+  if (!name_texture(material, &name, &uv_set)) return (StyPicture){0};
   const unsigned inner = find_inner_texture(import, &name);
   const bool is_inner = inner < import->file->mNumTextures || name.data[0] == '*';
   return is_inner ? copy_inner_texture(import, inner) : find_outer_texture(import->path, &name);

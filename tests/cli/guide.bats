@@ -383,7 +383,7 @@ END
 @test "a camera of the scene's own that looks away is named" {
   make_scene
   sed 's/"target": \[0, 0, 0\]/"target": [0, 0, 12]/' scene.json >away.json
-  accept_warned "no pixel's centre shows the scene, expected its camera, at (0, 0, 9), to look at it: it looks at (0, 0, 12)" \
+  accept_warned "no pixel's centre shows the scene, expected its camera, at (0, 0, 9), to see it: it looks at (0, 0, 12)" \
     guide scene away.json -s 8 -o out.exr
   printf 'v 0 0 0\nv 1 1 0\nv 0.001 0 0\nf 1 3 2\n' >sliver.obj
   accept_warned "no pixel's centre shows the mesh, expected more pixels or another view" guide scene sliver.obj --view 90,0 -s 8 -o out.exr

@@ -246,7 +246,7 @@ static void test_not_a_manifest(void **state) {
   expect_refusal(scratch, "\"stylut-bundle/1\"", "", "");
   expect_refusal(scratch, HEAD "[" ONE "]", ":2:", "");
   expect_refusal(scratch, HEAD "[" ONE "]}}", ":2:", "");
-  expect_refusal(scratch, HEAD "[" ONE ",\n]}", ":3:", "");
+  expect_refusal(scratch, HEAD "[" ONE ",\n]}", ":2:", "comma");
   StyManifest manifest = {0};
   StyError error = {STY_OK, ""};
   expect_message(sty_read_manifest(path_in(scratch, "missing.json"), &manifest, &error), STY_ERROR_FILE, &error,
