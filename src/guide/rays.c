@@ -61,7 +61,7 @@ static void hit_triangles(const StyTracer *tracer, const StyRays *rays, const st
   for (int i = 0; i < STY_RAYS && triangles.is_moved; i++) load_transform(placed[i], i, &triangles);
   tracer->kernels->meet_triangles(rays, &triangles, parts, hits);
   for (int i = 0; i < STY_RAYS && parts & STY_HIT_LEAVE; i++)
-    hits->off[i] = placed[i]->slack * (hits->off[i] + placed[i]->shift);
+    hits->off[i] = STY_FLOAT_SLACK * (hits->off[i] + placed[i]->shift);
 }
 
 /* ---- spheres ---- */
@@ -100,7 +100,7 @@ static void hit_sphere(const StyBall *ball, const StyRays *rays, int i, StyHits 
   }
   for (int k = 0; k < 2; k++) hits->uv[k][i] = uv[k];
   hits->curvature[i] = side / ball->radius;
-  hits->off[i] = ball->slack;
+  hits->off[i] = STY_FLOAT_SLACK * ball->reach;
   hits->material[i] = &ball->sphere->material;
   hits->paint[i] = &ball->sphere->material.paint;
   hits->style[i] = ball->sphere->style;

@@ -18,24 +18,6 @@ static void set_cofactors(const double transform[3][4], double out[3][3]) {
   for (int i = 0; i < 3; i++) cross_vectors(m[(i + 1) % 3], m[(i + 2) % 3], out[i]);
 }
 
-/* What floats round to, and the roundings that it takes to bring a ray to a surface and to find where they meet, with
- * room to spare. */
-static const double FLOAT_STEP = 0x1p-24, ROUNDINGS = 8;
-
-/* What solving with a matrix makes of the roundings: the largest row of |M| |M^-1| (Skeel 1979), which is small for
- * anything that only turns and scales along axes. `cofactors` are the inverse's transpose times the determinant. */
-static double get_condition(const double m[3][4], const double cofactors[3][3]) {
-  const double determinant = fabs(dot_vectors(m[0], cofactors[0]));
-  double most = 0;
-  for (int i = 0; i < 3; i++) {
-    double sum = 0;
-    for (int j = 0; j < 3; j++)
-      for (int k = 0; k < 3; k++) sum += fabs(m[i][k] * cofactors[j][k]);
-    most = fmax(most, sum);
-  }
-  return most / determinant;
-}
-
 StyPlaced sty_place_object(const StyScene *scene, const StyObject *object) {
   StyPlaced placed = {.mesh = scene->meshes[object->mesh], .object = object};
   sty_get_object_matrix(scene, object, placed.matrix);
@@ -44,17 +26,16 @@ StyPlaced sty_place_object(const StyScene *scene, const StyObject *object) {
   return placed;
 }
 
-static void set_slack(StyPlaced *placed) {
-  placed->slack = ROUNDINGS * FLOAT_STEP * get_condition(placed->object->transform, placed->cofactors);
-  for (int k = 0; k < 3; k++) placed->shift = fmax(placed->shift, fabs(placed->matrix[k][3]));
+static double get_shift(const StyPlaced *placed) {
+  double shift = 0;
+  for (int k = 0; k < 3; k++) shift = fmax(shift, fabs(placed->matrix[k][3]));
+  return shift;
 }
 
 static StyBall place_sphere(const StyScene *scene, const StySphere *sphere) {
   StyBall ball = {.radius = sphere->radius * scene->scale, .sphere = sphere};
   sty_get_trace_point(scene, sphere->centre, ball.centre);
-  double reach = ball.radius;
-  for (int k = 0; k < 3; k++) reach = fmax(reach, ball.radius + fabs(ball.centre[k]));
-  ball.slack = ROUNDINGS * FLOAT_STEP * reach;
+  for (int k = 0; k < 3; k++) ball.reach = fmax(ball.reach, ball.radius + fabs(ball.centre[k]));
   return ball;
 }
 
@@ -70,7 +51,7 @@ static StyStatus place_all(StyTracer *tracer, const StyScene *scene, StyError *e
     return sty_fail_memory(error, "scene", (double)objects * sizeof *tracer->placed);
   for (size_t o = 0; o < objects; o++) {
     tracer->placed[o] = sty_place_object(scene, &scene->objects[o]);
-    set_slack(&tracer->placed[o]);
+    tracer->placed[o].shift = get_shift(&tracer->placed[o]);
     tracer->users[scene->objects[o].mesh]++;
   }
   for (size_t s = 0; s < spheres; s++) tracer->balls[s] = place_sphere(scene, &scene->spheres[s]);

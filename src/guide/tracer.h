@@ -7,6 +7,10 @@
 
 #include "guide/kernels.h"
 
+/* How far from where it is Embree may see a surface, as a share of the numbers that place it: eight roundings of
+ * floats. Random scenes needed two. */
+#define STY_FLOAT_SLACK 0x1p-21
+
 /* An object in the scene's trace space. */
 typedef struct StyPlaced {
   const StyMesh *mesh;
@@ -14,13 +18,12 @@ typedef struct StyPlaced {
   double matrix[3][4];    /* from the mesh's trace space */
   double cofactors[3][3]; /* for normals: proportional to the transform's inverse transpose */
   bool is_unmoved;        /* the matrix is the identity */
-  double slack;           /* how far off its points Embree may see it: as a share of `shift` and the points' numbers */
   double shift;           /* the largest part of the matrix' translation */
 } StyPlaced;
 
 /* A sphere in the scene's trace space. */
 typedef struct StyBall {
-  double centre[3], radius, slack; /* as objects have it, in trace units */
+  double centre[3], radius, reach; /* the last: how far from the origin it comes, along an axis */
   const StySphere *sphere;
 } StyBall;
 

@@ -14,15 +14,15 @@ static void draw_direction(uint64_t *state, double out[3]) {
   for (int k = 0; k < 3; k++) out[k] /= sqrt(length);
 }
 
-/* Turned, stretched by up to 30 along each axis before and after that, and moved. */
-static void draw_transform(uint64_t *state, double shift, double out[3][4]) {
+/* Turned, stretched by up to `most` along each axis before and after that, and moved. */
+static void draw_transform(uint64_t *state, double most, double shift, double out[3][4]) {
   double x[3], y[3], z[3], before[3];
   draw_direction(state, x);
   draw_direction(state, y);
   for (int k = 0; k < 3; k++) z[k] = x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
-  for (int k = 0; k < 3; k++) before[k] = pow(30, draw_between(state, 0, 1));
+  for (int k = 0; k < 3; k++) before[k] = pow(most, draw_between(state, 0, 1));
   for (int i = 0; i < 3; i++) {
-    const double after = pow(30, draw_between(state, 0, 1));
+    const double after = pow(most, draw_between(state, 0, 1));
     out[i][0] = after * x[i] * before[0];
     out[i][1] = after * y[i] * before[1];
     out[i][2] = after * z[i] * before[2];
@@ -58,7 +58,7 @@ static void test_own_light(void **state) {
     StyScene *scene = open_stage();
     double transform[3][4], to[3], centre[3] = {0, 0, 0}, reach = 0;
     const double shift = pow(10, draw_between(&random, -2, 5));
-    draw_transform(&random, shift, transform);
+    draw_transform(&random, s % 2 ? 30 : 300, shift, transform);
     for (int i = 0; i < 3; i++) {
       centre[i] = transform[i][3];
       for (int j = 0; j < 3; j++) reach = fmax(reach, fabs(transform[i][j]));
@@ -83,6 +83,87 @@ static void test_own_light(void **state) {
     sty_destroy_scene(&scene);
   }
   assert_true(lit > SCENES * SIDE * SIDE / 8);
+}
+
+/* A sheet whose place in the mesh and the object's in the scene take each other away: numbers are small, roundings not.
+ */
+static void test_far_from_the_middle(void **state) {
+  (void)state;
+  static const double right[3] = {1, 0, 0}, up[3] = {0, 1, 0}, back[3] = {0, 0, 1};
+  uint64_t random = 3;
+  int lit = 0;
+  for (int s = 0; s < SCENES; s++) {
+    StyScene *scene = open_stage();
+    StyMesh *mesh = make_surface(place_square, 2, 1, false, false);
+    double to[3], turned[3][4];
+    draw_direction(&random, to);
+    to[2] = fabs(to[2]);
+    const double from[3] = {-to[0], -to[1], -to[2]}, size = 1e-3 * draw_between(&random, 1, 2);
+    /* The right half's end far away, the left half small at the origin of the world. */
+    for (size_t v = 0; v < mesh->vertex_count; v++) {
+      float *at = &mesh->positions[3 * v];
+      const double x = (double)at[0], y = (double)at[1];
+      at[0] = (float)(x > 0.5 ? 1 : -1 + size * (x + 1));
+      at[1] = (float)(-1 + size * (y + 1));
+      at[2] = -1;
+    }
+    draw_transform(&random, 30, 0, turned);
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) turned[i][3] += turned[i][j];
+    for (int side = -1; side <= 1; side += 2) {
+      const StySphere far = {.centre = {20 * side, 0, 20 * side}, .radius = 1e-3, .material = sty_white};
+      assert_int_equal(sty_add_sphere(scene, &far, NULL), STY_OK);
+    }
+    add_shape(scene, mesh, turned);
+    add_sun(scene, from);
+    assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+    const StyStand stand = {.position = {0, 0, 5}, .up = {0, 1, 0}, .height = 4e-3};
+    StyImage *guide = trace_from(
+        scene, &stand, (StyTraceOptions){.width = SIDE, .height = SIDE, .groups = STY_GUIDE_NORMAL | STY_GUIDE_LUMA});
+    lit += expect_lit(guide, right, up, back, to);
+    sty_destroy_image(&guide);
+    sty_destroy_scene(&scene);
+  }
+  assert_true(lit > SCENES * SIDE * SIDE / 32);
+}
+
+/* Where only the smooth normal faces the sun, the facet is left on the other side, and doesn't hide itself. */
+static void test_facet_turned_away(void **state) {
+  (void)state;
+  static const double whole[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, from[3] = {-1, 0, 0.2};
+  static const StyStand above = {.position = {0, 0, 1}, .up = {0, 1, 0}, .height = 1};
+  StyScene *scene = open_stage();
+  StyMesh *mesh = make_surface(place_square, 1, 1, false, false);
+  for (size_t v = 0; v < mesh->vertex_count; v++) mesh->normals[3 * v] = 0.8f, mesh->normals[3 * v + 2] = 0.6f;
+  add_shape(scene, mesh, whole);
+  add_sun(scene, from);
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+  StyImage *guide = trace_from(scene, &above, (StyTraceOptions){.width = 8, .height = 8, .groups = STY_GUIDE_LUMA});
+  const double cosine = (0.8 - 0.6 * 0.2) / sqrt(1.04);
+  for (int i = 0; i < 64; i++) assert_true(fabs(look_up(guide, "luma.Y", i % 8, i / 8) - cosine) < 1e-5);
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&scene);
+}
+
+/* A lamp in the plane of a ceiling shines down from it, and one above it doesn't. */
+static void test_lamp_at_the_ceiling(void **state) {
+  (void)state;
+  static const double floor_at[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, -1}},
+                      ceiling[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 1}};
+  static const StyStand inside = {.position = {0, 0, 0.5}, .up = {0, 1, 0}, .height = 1};
+  for (int above = 0; above < 2; above++) {
+    const StyLight lamp = {
+        .is_point = true, .position = {0.2, -0.1, 1 + 1e-3 * above}, .intensity = 1, .colour = {1, 1, 1}};
+    StyScene *scene = open_stage();
+    add_shape(scene, make_surface(place_square, 1, 1, false, false), floor_at);
+    add_shape(scene, make_surface(place_square, 1, 1, false, false), ceiling);
+    assert_int_equal(sty_add_light(scene, &lamp, NULL), STY_OK);
+    assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+    StyImage *guide = trace_from(scene, &inside, (StyTraceOptions){.width = 8, .height = 8, .groups = STY_GUIDE_LUMA});
+    for (int i = 0; i < 64; i++) assert_true((look_up(guide, "luma.Y", i % 8, i / 8) > 0) == !above);
+    sty_destroy_image(&guide);
+    sty_destroy_scene(&scene);
+  }
 }
 
 /* A box of side 1 on ground that is up to 100,000 wide, the sun at 45 degrees: its shadow is a rectangle that begins at
@@ -147,7 +228,9 @@ static void test_too_much_light(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_own_light), cmocka_unit_test(test_contact),
-                                     cmocka_unit_test(test_too_much_light)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_own_light),         cmocka_unit_test(test_far_from_the_middle),
+      cmocka_unit_test(test_facet_turned_away), cmocka_unit_test(test_lamp_at_the_ceiling),
+      cmocka_unit_test(test_contact),           cmocka_unit_test(test_too_much_light)};
   return cmocka_run_group_tests_name("shadows", tests, NULL, NULL);
 }
