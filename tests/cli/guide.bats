@@ -277,6 +277,16 @@ write_fbx() {
   done
 }
 
+@test "scene: an FBX file that says so has z up" {
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 5\nf 1 2 3\n' >t.obj
+  write_fbx | sed '/RelativeFilename/d; /FileName/d' >y.fbx
+  sed 's/^Objects: {/GlobalSettings: {\nProperties70: {\nP: "UpAxis", "int", "Integer", "",2\n}\n}\n&/' y.fbx >z.fbx
+  accept info y.fbx --format json -q
+  expect 'y up' "$(json - 'r.minimum.concat(r.maximum).join()' <<<"$output")" 0,0,0,1,1,5
+  accept info z.fbx --format json -q
+  expect 'z up' "$(json - 'r.minimum.concat(r.maximum).join()' <<<"$output")" 0,0,-1,1,5,0
+}
+
 @test "scene: a picture that an FBX file has elsewhere is looked for beside it" {
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >t.obj
   write_fbx >t.fbx

@@ -84,7 +84,7 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
     refuse_transform 'found object 1 only' "$rows"
   done
   write_scene "\"objects\": [ $(place_cube 1e-9 0), { \"mesh\": \"cube.obj\" } ]"
-  accept guide scene scene.json -s 8 -o out.exr
+  accept_warned 'object 1: found it to be 1e-09' guide scene scene.json -s 8 -o out.exr
 }
 
 @test "tiny and huge: through a transform, and in the mesh's file" {
@@ -106,7 +106,7 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   write_cube >cube.obj
   local place='"center": [1e30, 0, 0]'
   write_scene "\"objects\": [ $(place_cube 1e30 0) ], \"spheres\": [ { $place } ]"
-  accept guide scene scene.json -s 8 -o out.exr
+  accept_warned 'sphere 1: found it to be 1e-30' guide scene scene.json -s 8 -o out.exr
   write_scene "\"spheres\": [ { ${place/1e30/1.001e30} } ]"
   refuse 3 'spheres[0].center[0]: found 1.001e+30, expected a number from -1e+30 to 1e+30' guide scene scene.json -s 8 -o none.exr
 }
@@ -180,7 +180,7 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
 }
 
 @test "textures and materials of meshes: who names what isn't there" {
-  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl skin\nf 1/1 2/1 3/1\n' >body.obj
+  printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5 0.5\nusemtl skin\nf 1/1 2/1 3/1\n' >body.obj
   printf 'mtllib skin.mtl\n' | cat - body.obj >wall.obj
   accept_warned 'wall.obj: found no material file skin.mtl' guide scene wall.obj -s 8 -o out.exr
   accept_warned 'wall.obj: found no material file skin.mtl' guide scene wall.obj -s 8 -c albedo -o out.exr
@@ -197,10 +197,10 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   write_cube >cube.obj
   accept guide sphere -s 8 -o skin.png
   write_scene '"objects": [ { "mesh": "cube.obj" }, { "mesh": "cube.obj", "texture": "skin.png" } ]'
-  accept_warned 'object 2: found a texture on ./cube.obj, which has no texture coordinates' guide scene scene.json -s 8 -c albedo -o out.exr
+  accept_warned 'object 2: found a texture on part 1 of ./cube.obj, which has no texture coordinates' guide scene scene.json -s 8 -c albedo -o out.exr
   (echo 'mtllib skin.mtl'; echo 'usemtl skin'; cat cube.obj) >wall.obj
   printf 'newmtl skin\nmap_Kd skin.png\n' >skin.mtl
-  accept_warned 'object 1: found a texture on wall.obj, which has no texture coordinates' guide scene wall.obj -s 8 -c albedo -o out.exr
+  accept_warned 'object 1: found a texture on part 1 of wall.obj, which has no texture coordinates' guide scene wall.obj -s 8 -c albedo -o out.exr
   # Painted over, the mesh's own doesn't count.
   write_scene '"objects": [ { "mesh": "wall.obj", "color": [1, 0, 0] } ]'
   accept guide scene scene.json -s 8 -c albedo -o out.exr
@@ -262,4 +262,72 @@ list_luma() { dump "$1" A,luma.Y | awk '$3 == 1 { print $4 }' | sort -u | tr '\n
   write_scene '"spheres": [ {} ]' ball.json
   refuse 3 '--previous ball.json: found 0 objects and 1 sphere, expected 1 object and 0 spheres' \
     guide scene cube.obj --previous ball.json -s 8 -o none.exr
+}
+
+# write_quad TEXTURE [EXTENSION]: quad.gltf, whose first coordinates go over the picture once and whose second
+# ones all are (0.75, 0.25).
+write_quad() {
+  node -e '
+    const [material, used] = process.argv.slice(1)
+    const floats = [0, 0, 0, 4, 0, 0, 4, 4, 0, 0, 4, 0, /* */ 0, 1, 1, 1, 1, 0, 0, 0, /* */ ...Array(4).fill([0.75, 0.75]).flat()]
+    const bytes = Buffer.concat([Buffer.from(new Float32Array(floats).buffer), Buffer.from(new Uint16Array([0, 1, 2, 0, 2, 3]).buffer)])
+    const view = (byteOffset, byteLength) => ({ buffer: 0, byteOffset, byteLength })
+    console.log(JSON.stringify({
+      asset: { version: "2.0" }, extensionsUsed: used ? [used] : undefined, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+      meshes: [{ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1, TEXCOORD_1: 2 }, indices: 3, material: 0 }] }],
+      materials: [{ pbrMetallicRoughness: { baseColorTexture: { index: 0, ...JSON.parse(material) } } }],
+      textures: [{ source: 0 }], images: [{ uri: "two%20by%20two.png" }],
+      buffers: [{ byteLength: bytes.length, uri: "data:application/octet-stream;base64," + bytes.toString("base64") }],
+      bufferViews: [view(0, 48), view(48, 32), view(80, 32), view(112, 12)],
+      accessors: [
+        { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [0, 0, 0], max: [4, 4, 0] },
+        { bufferView: 1, componentType: 5126, count: 4, type: "VEC2" }, { bufferView: 2, componentType: 5126, count: 4, type: "VEC2" },
+        { bufferView: 3, componentType: 5123, count: 6, type: "SCALAR" }] }))' "$@" >quad.gltf
+}
+
+# Red and green above, blue and white below.
+draw_two_by_two() {
+  oiiotool --create 2x2 3 --point:color=1,0,0 0,0 --point:color=0,1,0 1,0 --point:color=0,0,1 0,1 --point:color=1,1,1 1,1 -d uint8 -o "$1"
+}
+
+# list_corners FILE: the colours of a 2x2 guide, row by row.
+list_corners() { dump "$1" albedo.R,albedo.G,albedo.B | awk '{ printf "%s%g%g%g", (NR > 1 ? " " : ""), $3, $4, $5 }'; }
+
+@test "textures of glTF: coordinates of their own, transforms, names with blanks" {
+  draw_two_by_two 'two by two.png'
+  local look=(-s 2 --margin 0 -c albedo,uv --texture-filter nearest -o out.exr)
+  write_quad '{}'
+  accept guide scene quad.gltf "${look[@]}"
+  expect 'as they are' "$(list_corners out.exr)" '100 010 001 111'
+  write_quad '{ "texCoord": 1 }'
+  accept guide scene quad.gltf "${look[@]}"
+  expect 'the second coordinates' "$(list_corners out.exr)" '111 111 111 111'
+  write_quad '{ "extensions": { "KHR_texture_transform": { "offset": [0.5, 0] } } }' KHR_texture_transform
+  accept guide scene quad.gltf "${look[@]}"
+  expect moved "$(list_corners out.exr)" '010 100 111 001'
+}
+
+@test "nearest texels hold their lower and left borders" {
+  draw_two_by_two tex.png
+  printf 'newmtl t\nKd 1 1 1\nmap_Kd tex.png\n' >k.mtl
+  local u v
+  for u in 0 0.5; do
+    for v in 0 0.5; do
+      printf 'mtllib k.mtl\nusemtl t\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt %s %s\nvt 3 7\nf 1/1 2/1 3/1\n' $u $v >k.obj
+      accept guide scene k.obj -s 2 --margin 0 -c albedo --texture-filter nearest -o k.exr -q
+      list_corners k.exr | cut -d' ' -f3
+    done
+  done >found.txt
+  expect colours "$(paste -sd' ' found.txt)" '001 100 111 010'
+}
+
+@test "things that are too small beside the scene are warned of" {
+  write_scene '"spheres": [ { "center": [0, 0, 0], "radius": 1 }, { "center": [2, 0, 0], "radius": 1e-6 } ]'
+  accept_warned 'sphere 2: found it to be' guide scene scene.json -s 8 -o out.exr
+  write_cube >cube.obj
+  write_scene "\"objects\": [ { \"mesh\": \"cube.obj\" }, $(place_cube 1e-6 2) ]"
+  accept_warned 'object 2: found it to be' guide scene scene.json -s 8 -o out.exr
+  # Thin ones aren't small.
+  write_scene '"objects": [ { "mesh": "cube.obj" }, { "mesh": "cube.obj", "transform": [1,0,0,2, 0,1,0,0, 0,0,1e-8,0, 0,0,0,1] } ]'
+  accept guide scene scene.json -s 8 -o out.exr
 }

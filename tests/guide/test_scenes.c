@@ -130,6 +130,38 @@ static void test_inside_a_sphere(void **state) {
   sty_destroy_scene(&scene);
 }
 
+/* A sphere that grows and moves takes its points along. */
+static void test_growing_sphere(void **state) {
+  (void)state;
+  static const StyStand stand = {.position = {0, 0, 9}, .target = {0, 0, 0}, .up = {0, 1, 0}, .height = 6};
+  StyScene *now = open_scene(), *before = open_scene();
+  StyCamera camera, then;
+  StyImage *guide = NULL;
+  add_sphere(now, 0.5, 0.25, 0, 2, 1);
+  add_sphere(before, 0, 0, 1, 1, 1);
+  assert_int_equal(sty_finish_scene(now, NULL), STY_OK);
+  assert_int_equal(sty_finish_scene(before, NULL), STY_OK);
+  assert_int_equal(sty_place_camera(now, &stand, SIDE, SIDE, &camera, NULL), STY_OK);
+  assert_int_equal(sty_place_camera(before, &stand, SIDE, SIDE, &then, NULL), STY_OK);
+  const StyTraceOptions options = {
+      .width = SIDE, .height = SIDE, .groups = STY_GUIDE_MOTION | STY_GUIDE_POSITION, .previous = {before, &then}};
+  assert_int_equal(sty_trace_guide(now, &camera, &options, NULL, NULL, &guide, NULL), STY_OK);
+  const double pixels = SIDE / 6.0;
+  int covered = 0;
+  for (int y = 0; y < SIDE; y++)
+    for (int x = 0; x < SIDE; x++) {
+      if (at(guide, "A", x, y) == 0) continue;
+      const double px = (double)at(guide, "position.X", x, y), py = (double)at(guide, "position.Y", x, y);
+      covered++;
+      assert_true(fabs((double)at(guide, "motion.U", x, y) - ((px - 0.5) / 2 - px) * pixels) < 1e-4);
+      assert_true(fabs((double)at(guide, "motion.V", x, y) + ((py - 0.25) / 2 - py) * pixels) < 1e-4);
+    }
+  assert_in_range(covered, SIDE * SIDE / 5, SIDE * SIDE);
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&now);
+  sty_destroy_scene(&before);
+}
+
 /* The cube through a transform is the cube whose vertices were moved. */
 static void test_instances(void **state) {
   static const double moved[3][4] = {{1.3, 0, 0.1, 2.1}, {0, 0.55, 0.25, -1.1}, {0, 0, 1.9, 0.5}};
@@ -445,6 +477,7 @@ int main(void) {
       cmocka_unit_test(test_lambert),
       cmocka_unit_test(test_point_light),
       cmocka_unit_test(test_shadows),
+      cmocka_unit_test(test_growing_sphere),
       cmocka_unit_test(test_no_acne),
       cmocka_unit_test(test_highlight),
       cmocka_unit_test(test_refused),
