@@ -167,6 +167,7 @@ static StyStatus prepare_meshes(Work *work, StyError *error) {
     status = sty_simplify_scene(work->shot.scene, &work->shot.camera, &trace, &arguments->simplify_options, &run,
                                 &work->simplification, error);
   }
+  if (!status) warn_of_remains(&arguments->options, &work->simplification, &arguments->simplify_options);
   work->triangles = status ? 0 : sty_count_scene_triangles(work->shot.scene);
   return status;
 }

@@ -108,6 +108,15 @@ void print_simplification(const StySimplification *done, const StySimplifyOption
          simple->build_ms, full->trace_ms, simple->trace_ms, get_mib(full), get_mib(simple));
 }
 
+void warn_of_remains(const Options *options, const StySimplification *done, const StySimplifyOptions *asked) {
+  const size_t left = done->is_simpler ? done->simple.triangles : done->full.triangles;
+  if (asked->triangles && done->is_simpler && left > asked->triangles + asked->triangles / 20)
+    warn(options,
+         "--simplify: found that %zu triangles stay, expected %zu: around points that have several vertices within one "
+         "surface, as poles have, none can go",
+         left, asked->triangles);
+}
+
 static void warn_of_line(void *context, const char *line) { warn(context, "%s", line); }
 
 void warn_of_scene(const Options *options, const StyScene *scene) {

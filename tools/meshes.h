@@ -18,6 +18,9 @@ void print_repair(const StyRepair *repair);
 json_t *pack_simplification(const StySimplification *done);
 void print_simplification(const StySimplification *done, const StySimplifyOptions *options);
 
+/* Where far more triangles stay than were asked for. */
+void warn_of_remains(const Options *options, const StySimplification *done, const StySimplifyOptions *asked);
+
 /* Warns of what is most likely a mistake in a scene: sty_review_scene. */
 void warn_of_scene(const Options *options, const StyScene *scene);
 

@@ -355,7 +355,9 @@ StyStatus require_folder(Options *options, const char *path) {
   char *copy = strdup(path);
   if (!copy) return sty_fail_memory(error, path, (double)strlen(path));
   struct stat info;
-  const int failed = stat(dirname(copy), &info) != 0 ? errno : S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
+  const char *folder = dirname(copy);
+  int failed = stat(folder, &info) != 0 ? errno : S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
+  if (!failed && access(folder, W_OK | X_OK) != 0) failed = errno;
   free(copy);
   return failed ? sty_fail(error, STY_ERROR_FILE,
                            "%s: cannot write: %s; expected a folder that exists and can be written to", path,

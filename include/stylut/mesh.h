@@ -58,7 +58,7 @@ typedef struct StyMesh {
   size_t vertices_read;  /* as the file, or the importer, has them: of an OBJ or STL one per corner, unused ones too */
   size_t repeated_faces; /* left out: two of their corners lie at the same place */
   size_t flat_faces;     /* left out: others without area */
-  char *lost_materials;  /* the material file that an OBJ file names and that isn't there; NULL: none */
+  char *lost_materials;  /* "material file skin.mtl" or "material skin": what an OBJ file asks for and isn't there */
   double import_bytes;   /* the most memory that the importer's process held; 0: there was none */
   double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
   size_t

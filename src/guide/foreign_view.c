@@ -92,6 +92,10 @@ void sty_fill_normals(StyImport *import, bool make_unit) {
   }
 }
 
+/* Surfaces that are seen face the viewer, but for roundings and smooth normals at silhouettes; a map in the world's
+ * axes, seen along one that lies, has half its normals beyond. */
+static const double FACING_AWAY = -0.1, MOST_AWAY = 0.1;
+
 void sty_check_normals(const StyImport *import) {
   const float *covered = sty_find_channel(import->guide, "A");
   float *planes[3];
@@ -100,7 +104,7 @@ void sty_check_normals(const StyImport *import) {
   for (size_t i = 0; i < sty_count_pixels(import->guide); i++) {
     if (!(covered[i] > 0)) continue;
     const double n[3] = {(double)planes[0][i], (double)planes[1][i], (double)planes[2][i]};
-    count++, odd += !is_unit(n), away += n[2] < 0;
+    count++, odd += !is_unit(n), away += n[2] < FACING_AWAY;
   }
   if (odd)
     sty_add_note(
@@ -109,7 +113,7 @@ void sty_check_normals(const StyImport *import) {
         "expected %s",
         100.0 * (double)odd / (double)count,
         2 * odd > count ? "a map of unit normals: is it another picture?" : "unit normals, without anti-aliasing");
-  if (2 * away > count)
+  if ((double)away > MOST_AWAY * (double)count)
     sty_add_note(
         import->notes, STY_NOTE_WARNING,
         "found normals facing away from the viewer in %.0f %% of the covered pixels, expected z toward it: is it "

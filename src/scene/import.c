@@ -45,7 +45,7 @@ typedef struct Frame {
 /* What importers only tell their log. */
 typedef struct Log {
   bool bad_indices;     /* some drop faces with them, or bend them to other vertices */
-  char *lost_materials; /* the first material file that isn't there; owned */
+  char *lost_materials; /* see StyMesh; owned */
 } Log;
 
 typedef struct Import {
@@ -193,14 +193,25 @@ static StyStatus cut_polygons(Import *import, StyError *error) {
   return import->file ? STY_OK : fail_library(import->path, error);
 }
 
+/* What an OBJ file asks for in vain, as Assimp says it. */
+static char *find_lost(const char *message) {
+  static const struct {
+    const char *said, *kind;
+  } LOST[] = {{"Unable to locate material file ", "material file"}, {"failed to locate material ", "material"}};
+  for (size_t l = 0; l < sizeof LOST / sizeof *LOST; l++) {
+    const char *found = strstr(message, LOST[l].said);
+    char *lost = NULL;
+    if (!found) continue;
+    found += strlen(LOST[l].said);
+    return asprintf(&lost, "%s %.*s", LOST[l].kind, (int)strcspn(found, ",\r\n"), found) < 0 ? NULL : lost;
+  }
+  return NULL;
+}
+
 static void watch_log(const char *message, char *user) {
-  static const char lost[] = "Unable to locate material file ";
   Log *log = (Log *)(void *)user;
   if (strstr(message, "out of range") || strstr(message, "out-of-range")) log->bad_indices = true;
-  const char *found = strstr(message, lost);
-  if (!found || log->lost_materials) return;
-  found += strlen(lost);
-  log->lost_materials = strndup(found, strcspn(found, "\r\n"));
+  if (!log->lost_materials) log->lost_materials = find_lost(message);
 }
 
 static StyStatus load_file(Import *import, StyError *error) {

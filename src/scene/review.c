@@ -27,8 +27,7 @@ __attribute__((format(printf, 2, 3))) static void tell(const Review *review, con
 static void review_materials(const Review *review) {
   for (int m = 0; m < review->scene->mesh_count; m++) {
     const StyMesh *mesh = review->scene->meshes[m];
-    if (mesh->lost_materials)
-      tell(review, "%s: found no material file %s, expected it beside the mesh", mesh->path, mesh->lost_materials);
+    if (mesh->lost_materials) tell(review, "%s: found no %s, which it names", mesh->path, mesh->lost_materials);
   }
 }
 

@@ -208,3 +208,14 @@ END
   skip_without_cgal
   accept guide scene turned.off -s 16 --repair -o out.exr
 }
+
+@test "fewer triangles than can be: said so" {
+  skip_without_cgal
+  # A ball whose poles have a vertex for each triangle.
+  awk 'BEGIN { pi = atan2(0, -1); for (r = 0; r <= 16; r++) for (c = 0; c <= 32; c++) {
+    a = pi * r / 16; b = 2 * pi * c / 32; print "v", sin(a) * cos(b), cos(a), sin(a) * sin(b); print "vt", c / 32, r / 16 }
+    for (r = 0; r < 16; r++) for (c = 0; c < 32; c++) { i = r * 33 + c + 1
+      printf "f %d/%d %d/%d %d/%d %d/%d\n", i, i, i + 1, i + 1, i + 34, i + 34, i + 33, i + 33 } }' >ball.obj
+  accept_warned "triangles stay, expected 50" guide scene ball.obj --simplify 50 -s 64 -o out.exr
+  accept guide scene ball.obj --simplify 600 -s 64 -o out.exr
+}

@@ -307,6 +307,14 @@ list_corners() { dump "$1" albedo.R,albedo.G,albedo.B | awk '{ printf "%s%g%g%g"
   expect moved "$(list_corners out.exr)" '010 100 111 001'
 }
 
+@test "a material that isn't in its file is named" {
+  printf 'newmtl card\nKd 1 0 0\n' >k.mtl
+  printf 'mtllib k.mtl\nusemtl crad\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >k.obj
+  accept_warned 'k.obj: found no material crad' guide scene k.obj -s 16 -o out.exr
+  sed -i s/crad/card/ k.obj
+  accept guide scene k.obj -s 16 -o out.exr
+}
+
 @test "nearest texels hold their lower and left borders" {
   draw_two_by_two tex.png
   printf 'newmtl t\nKd 1 1 1\nmap_Kd tex.png\n' >k.mtl
