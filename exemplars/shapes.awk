@@ -37,12 +37,17 @@ function face(   sum) {
   return sum + bump(x, 0, 0.98, 0.13, 0.09, 0.08)                                         # chin
 }
 
+# The knot before row j of an outline.
+function find_knot(j,   f) {
+  f = (KNOTS - 1) * j / ROWS
+  return int(f) < KNOTS - 1 ? int(f) + 1 : KNOTS - 1
+}
+
 # Stacked ellipses with face and ears on them.
 function set_bust(i, j,   s, k, f, ear) {
   s = 2 * PI * i / COLUMNS
-  f = (KNOTS - 1) * j / ROWS
-  k = int(f) < KNOTS - 1 ? int(f) + 1 : KNOTS - 1
-  f -= k - 1
+  k = find_knot(j)
+  f = (KNOTS - 1) * j / ROWS - (k - 1)
   y = follow(high, k, f)
   x = follow(wide, k, f) * sin(s)
   z = follow(fore, k, f) + follow(deep, k, f) * cos(s)
@@ -54,9 +59,8 @@ function set_bust(i, j,   s, k, f, ear) {
 # Turned on a wheel: outside up to the lip, and down again within.
 function set_urn(i, j,   s, k, f, r) {
   s = 2 * PI * i / COLUMNS
-  f = (KNOTS - 1) * j / ROWS
-  k = int(f) < KNOTS - 1 ? int(f) + 1 : KNOTS - 1
-  f -= k - 1
+  k = find_knot(j)
+  f = (KNOTS - 1) * j / ROWS - (k - 1)
   y = follow(high, k, f)
   r = follow(wide, k, f)
   x = r * sin(s)

@@ -46,6 +46,7 @@ static StyStatus open_shot(const GuideArguments *arguments, const char *path, co
 typedef struct Work {
   GuideArguments *arguments;
   Shot shot, previous;
+  char *previous_name;    /* for messages; owned */
   StyImageWriter *writer; /* from the first rows on */
   size_t triangles, covered;
   double read_ms, write_ms, render_ms; /* the last: all but reading */
@@ -75,7 +76,7 @@ static StyStatus list_inputs(const Work *work, bool all_textures, const char ***
     for (int m = 0; m < scene->mesh_count; m++) inputs[(*count)++] = scene->meshes[m]->path;
   }
   for (int s = 0; s < 2; s++) {
-    const bool looked_at = all_textures || (s == 0 && arguments->groups & COLOURED);
+    const bool looked_at = all_textures || (s == 0 && arguments->groups & STY_GUIDE_COLOURED);
     for (int t = 0; looked_at && shots[s]->scene && t < shots[s]->scene->texture_count; t++)
       if (!shots[s]->scene->textures[t].bytes) inputs[(*count)++] = shots[s]->scene->textures[t].path;
   }
@@ -134,14 +135,14 @@ static StyTraceOptions get_trace_options(const Work *work) {
                            .nearest_texels = arguments->filter == 1,
                            .contour = arguments->contour,
                            .previous = {work->previous.scene, &work->previous.camera},
+                           .previous_name = work->previous_name,
                            .paths = {arguments->paths.samples, arguments->options.seed}};
 }
 
 /* Normals that were computed have seams where neighbours clash: a fault of the mesh that one would look for elsewhere.
  */
 static void warn_about_seams(const Work *work) {
-  static const unsigned shaded =
-      STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_GUIDE_CONTOUR | STY_GUIDE_LUMA | STY_GUIDE_PATHS;
+  static const unsigned shaded = STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_GUIDE_CONTOUR | STY_GUIDE_LIT;
   const GuideArguments *arguments = work->arguments;
   const StyScene *scene = work->shot.scene;
   if (arguments->repair || arguments->simplify || arguments->flat || !(arguments->groups & shaded)) return;
@@ -192,11 +193,10 @@ static void count_bytes(Work *work) {
     }
 }
 
-/* What happened to the meshes of both may have made them differ. */
-static StyStatus check_previous(const Work *work, StyError *error) {
-  const StyScene *previous = work->previous.scene;
-  const StyStatus status = previous ? sty_check_alike(work->shot.scene, previous, error) : STY_OK;
-  return status ? sty_fail(error, status, "--previous %s: %s", work->arguments->previous, error->text) : STY_OK;
+static StyStatus open_previous(Work *work, const StyRun *run, StyError *error) {
+  const char *file = work->arguments->previous;
+  if (asprintf(&work->previous_name, "--previous %s", file) < 0) return sty_fail_memory(error, file, 0);
+  return open_shot(work->arguments, file, run, &work->previous, error);
 }
 
 static StyStatus open_shots(Work *work, StyError *error) {
@@ -204,14 +204,13 @@ static StyStatus open_shots(Work *work, StyError *error) {
   const double start = sty_get_milliseconds();
   const StyRun run = begin_progress(&arguments->options, "reading");
   StyStatus status = open_shot(arguments, arguments->mesh, &run, &work->shot, error);
-  if (!status && arguments->previous) status = open_shot(arguments, arguments->previous, &run, &work->previous, error);
+  if (!status && arguments->previous) status = open_previous(work, &run, error);
   end_progress(&arguments->options);
   count_bytes(work);
   work->read_ms = sty_get_milliseconds() - start;
   if (!status) status = protect_scene(work, error);
   if (!status) warn_about_seams(work);
-  if (!status) status = prepare_meshes(work, error);
-  return status ? status : check_previous(work, error);
+  return status ? status : prepare_meshes(work, error);
 }
 
 static StyStatus draw_sphere(Work *work, StyError *error) {
@@ -329,5 +328,6 @@ StyStatus render_guide(GuideArguments *arguments) {
   sty_discard_image_writer(&work.writer);
   sty_destroy_scene(&work.shot.scene);
   sty_destroy_scene(&work.previous.scene);
+  free(work.previous_name);
   return status;
 }

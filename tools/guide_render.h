@@ -7,9 +7,6 @@
 #include "stylut/image_io.h"
 #include "stylut/simplify.h"
 
-/* Channels that look at textures. */
-enum { COLOURED = STY_GUIDE_ALBEDO | STY_GUIDE_LUMA | STY_GUIDE_PATHS };
-
 typedef struct GuideArguments {
   Options options;
   const char *mesh; /* or a scene file; NULL: the sphere */

@@ -57,6 +57,8 @@ typedef enum StyChannelGroup {
   STY_GUIDE_LD12E = 1 << 14,
   STY_GUIDE_LIE = 1 << 15,
   STY_GUIDE_PATHS = STY_GUIDE_FULL | STY_GUIDE_LDE | STY_GUIDE_LSE | STY_GUIDE_LD12E | STY_GUIDE_LIE,
+  STY_GUIDE_LIT = STY_GUIDE_LUMA | STY_GUIDE_PATHS,      /* what surfaces' light goes into, and */
+  STY_GUIDE_COLOURED = STY_GUIDE_LIT | STY_GUIDE_ALBEDO, /* what their colours do, textures included */
 } StyChannelGroup;
 
 /* "normal,depth,...", "all" or "paths" to a set of StyChannelGroup. STY_ERROR_USAGE lists the names. */
@@ -124,6 +126,7 @@ typedef struct StyTraceOptions {
   bool nearest_texels;       /* textures are looked up without interpolation */
   StyContourWeights contour; /* for STY_GUIDE_CONTOUR */
   StyPrevious previous;      /* for STY_GUIDE_MOTION */
+  const char *previous_name; /* what messages call it; NULL: nothing */
   StyPathOptions paths;      /* for STY_GUIDE_PATHS */
 } StyTraceOptions;
 

@@ -61,8 +61,7 @@ typedef struct StyMesh {
   char *lost_materials;  /* "material file skin.mtl" or "material skin": what an OBJ file asks for and isn't there */
   double import_bytes;   /* the most memory that the importer's process held; 0: there was none */
   double crease_angle;   /* that normals were computed with, degrees; negative: they are the file's own */
-  size_t
-      clashes; /* edges that both their triangles run along the same way, where normals were computed: seams of them */
+  size_t clashes;        /* edges that both their triangles run along the same way, where normals were computed */
 } StyMesh;
 
 typedef struct StyMeshOptions {

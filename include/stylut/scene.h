@@ -82,6 +82,11 @@ typedef struct StyScene {
 
 extern const double sty_identity[3][4];
 
+/* What part p (from 0) of an object's mesh is painted with: the object's own paint, or that of its mesh's file. */
+static inline const StyPaint *sty_get_paint(const StyObject *object, const StyMesh *mesh, int p) {
+  return object->is_painted || !mesh->paints ? &object->material.paint : &mesh->paints[p];
+}
+
 /* An empty scene, evenly lit (ambient 1, with shadows); the caller owns it. sty_destroy_scene frees and nulls *scene
  * and all it owns, and does nothing for NULL. */
 StyStatus sty_create_scene(StyScene **out, StyError *error);

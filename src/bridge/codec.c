@@ -31,17 +31,21 @@ static StyStatus get_codec(const StyImageCodec **out, StyError *error) {
   return codec ? STY_OK : sty_fail(error, cause.status, "%s", cause.text);
 }
 
+/* For a file that is to be read. */
+static StyStatus get_reader(const char *path, const StyImageCodec **out, StyError *error) {
+  const StyStatus status = get_codec(out, error);
+  return status ? status : sty_check_whole(path, error);
+}
+
 StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   const StyImageCodec *c;
-  StyStatus status = get_codec(&c, error);
-  if (!status) status = sty_check_whole(path, error);
+  const StyStatus status = get_reader(path, &c, error);
   return status ? status : c->read(path, out, error);
 }
 
 StyStatus sty_read_image_shape(const char *path, StyImageShape *out, StyError *error) {
   const StyImageCodec *c;
-  StyStatus status = get_codec(&c, error);
-  if (!status) status = sty_check_whole(path, error);
+  const StyStatus status = get_reader(path, &c, error);
   return status ? status : c->read_shape(path, out, error);
 }
 
@@ -172,8 +176,7 @@ StyStatus sty_write_image(const char *path, const StyImage *image, StyError *err
 
 StyStatus sty_open_texture_map(const char *path, StyTextureMap **out, StyError *error) {
   const StyImageCodec *c;
-  StyStatus status = get_codec(&c, error);
-  if (!status) status = sty_check_whole(path, error);
+  const StyStatus status = get_reader(path, &c, error);
   return status ? status : c->open_texture(path, out, error);
 }
 

@@ -52,7 +52,7 @@ StyStatus sty_estimate_trace(const StyScene *scene, const StyCamera *camera, con
                              StyTraceEstimate *out, StyError *error) {
   StyTraceEstimate estimate = {0};
   StyStatus status = sty_check_trace(scene, camera, options, error);
-  if (!status && options->groups & STY_COLOURED)
+  if (!status && options->groups & STY_GUIDE_COLOURED)
     status = sty_estimate_palette(scene, &estimate.texture_bytes, &estimate.decode_bytes, error);
   if (status) return status;
   count_rays(scene, options, &estimate);

@@ -21,17 +21,24 @@ struct StyPalette {
   bool nearest;
 };
 
-/* Textures that some object shows: a mesh's own may all be painted over. */
-static void mark_used(const StyScene *scene, bool *used) {
+static void mark_used(const StyPaint *paint, bool *used) {
+  if (paint->texture >= 0) used[paint->texture] = true;
+}
+
+/* 1 per texture, to be freed: whether something shows it; a mesh's own may all be painted over. NULL: no memory. */
+static bool *list_used(const StyScene *scene, StyError *error) {
+  bool *used = calloc((size_t)scene->texture_count + 1, sizeof *used);
+  if (!used) {
+    sty_fail_memory(error, "textures", scene->texture_count);
+    return NULL;
+  }
   for (int o = 0; o < scene->object_count; o++) {
     const StyObject *object = &scene->objects[o];
     const StyMesh *mesh = scene->meshes[object->mesh];
-    if (object->is_painted && object->material.paint.texture >= 0) used[object->material.paint.texture] = true;
-    for (int p = 0; !object->is_painted && mesh->paints && p < mesh->part_count; p++)
-      if (mesh->paints[p].texture >= 0) used[mesh->paints[p].texture] = true;
+    for (int p = 0; p < mesh->part_count; p++) mark_used(sty_get_paint(object, mesh, p), used);
   }
-  for (int s = 0; s < scene->sphere_count; s++)
-    if (scene->spheres[s].material.paint.texture >= 0) used[scene->spheres[s].material.paint.texture] = true;
+  for (int s = 0; s < scene->sphere_count; s++) mark_used(&scene->spheres[s].material.paint, used);
+  return used;
 }
 
 /* Files that must be left to open beside those of pictures that came inside others. */
@@ -85,9 +92,8 @@ static StyStatus measure_picture(const StyPicture *picture, StyImageShape *shape
 }
 
 static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError *error) {
-  bool *used = calloc((size_t)scene->texture_count + 1, sizeof *used);
-  if (!used) return sty_fail_memory(error, "textures", scene->texture_count);
-  mark_used(scene, used);
+  bool *used = list_used(scene, error);
+  if (!used) return STY_ERROR_LIBRARY;
   StyStatus status = STY_OK;
   for (int t = 0; t < scene->texture_count && !status; t++)
     if (used[t]) status = open_picture(palette, &scene->textures[t], t, error);
@@ -96,9 +102,8 @@ static StyStatus open_used(StyPalette *palette, const StyScene *scene, StyError 
 }
 
 StyStatus sty_estimate_palette(const StyScene *scene, double *bytes, double *decode_bytes, StyError *error) {
-  bool *used = calloc((size_t)scene->texture_count + 1, sizeof *used);
-  if (!used) return sty_fail_memory(error, "textures", scene->texture_count);
-  mark_used(scene, used);
+  bool *used = list_used(scene, error);
+  if (!used) return STY_ERROR_LIBRARY;
   StyStatus status = STY_OK;
   *bytes = *decode_bytes = 0;
   for (int t = 0; t < scene->texture_count && !status; t++) {

@@ -35,7 +35,7 @@ static void name_owner(const StyPlaced *placed, int i, StyHits *hits) {
   const StyObject *object = placed->object;
   const int part = sty_get_part(mesh, hits->triangle[i]) - 1;
   hits->material[i] = &object->material;
-  hits->paint[i] = object->is_painted || !mesh->paints ? &object->material.paint : &mesh->paints[part];
+  hits->paint[i] = sty_get_paint(object, mesh, part);
   hits->style[i] = object->style;
   hits->object[i] = object->first_id + part;
 }

@@ -218,17 +218,18 @@ StyStatus sty_check_trace(const StyScene *scene, const StyCamera *camera, const 
   if (!options->previous.scene)
     return sty_fail(error, STY_ERROR_USAGE, "channel motion: found no previous scene, expected one");
   status = sty_check_alike(scene, options->previous.scene, error);
+  if (status && options->previous_name) sty_fail(error, status, "%s: %s", options->previous_name, error->text);
   return status ? status : check_camera(options->previous.camera, error);
 }
 
 /* What of a hit the channels are made from. */
 static unsigned get_parts(unsigned groups, const StyScene *scene) {
   unsigned parts = 0;
-  const bool textured = scene->texture_count > 0 && groups & STY_COLOURED;
-  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_LIT)) parts |= STY_HIT_SHADING;
+  const bool textured = scene->texture_count > 0 && groups & STY_GUIDE_COLOURED;
+  if (groups & (STY_GUIDE_NORMAL | STY_GUIDE_CURVATURE | STY_GUIDE_LIT)) parts |= STY_HIT_SHADING;
   if (groups & STY_GUIDE_UV || textured) parts |= STY_HIT_UV;
   if (groups & STY_GUIDE_CURVATURE) parts |= STY_HIT_CURVATURE;
-  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | STY_COLOURED)) parts |= STY_HIT_OWNER;
+  if (groups & (STY_GUIDE_OBJECT | STY_GUIDE_STYLE | STY_GUIDE_COLOURED)) parts |= STY_HIT_OWNER;
   if (groups & STY_GUIDE_PATHS || (groups & STY_GUIDE_LUMA && scene->light_count > 0)) parts |= STY_HIT_LEAVE;
   return parts;
 }
@@ -240,13 +241,13 @@ static StyStatus open_render(Render *render, const StyRun *run, StyTraceTimes *t
   render->groups = options->groups;
   if (options->groups & STY_GUIDE_CONTOUR) render->groups |= STY_CONTOUR_SOURCES;
   render->channels = sty_list_channels(render->groups);
-  render->is_lit = render->groups & STY_LIT && scene->light_count > 0;
+  render->is_lit = render->groups & STY_GUIDE_LIT && scene->light_count > 0;
   render->parts = get_parts(render->groups, scene);
   render->kernels = sty_get_kernels();
   render->sight = (StySight){scene, render->camera, render->groups, options->flat, options->ray_frame};
   render->width = 2 * render->camera->half_height / options->height;
   if (!render->camera->perspective) render->width /= scene->scale;
-  if (!status && options->groups & STY_COLOURED)
+  if (!status && options->groups & STY_GUIDE_COLOURED)
     status = sty_open_palette(scene, options->nearest_texels, &render->palette, error);
   if (!status) status = sty_open_film(scene, render->camera, options->width, options->height, &render->film, error);
   const double start = sty_get_milliseconds();

@@ -67,11 +67,16 @@ static const char *find_extension(const char *path) {
   return dot && !strchr(dot, '/') ? dot + 1 : "";
 }
 
+static bool has_extension(const char *path, const char *extension) {
+  return strcasecmp(find_extension(path), extension) == 0;
+}
+
+static bool is_gltf(const char *path) { return has_extension(path, "gltf") || has_extension(path, "glb"); }
+
 bool sty_is_mesh_file(const char *path) {
   static const char *const KNOWN[] = {"obj", "ply", "stl", "gltf", "glb", "fbx", "off"};
-  const char *extension = find_extension(path);
   for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
-    if (strcasecmp(extension, KNOWN[i]) == 0) return true;
+    if (has_extension(path, KNOWN[i])) return true;
   return false;
 }
 
@@ -310,7 +315,7 @@ static StyStatus add_node(Import *import, const struct aiNode *node, const doubl
 /* The axis that the file says points up: 0 to 2; that of all formats but FBX is y. */
 static int find_up_axis(const Import *import) {
   const struct aiMetadata *data = import->file->mMetaData;
-  if (strcasecmp(find_extension(import->path), "fbx") != 0) return 1;
+  if (!has_extension(import->path, "fbx")) return 1;
   for (unsigned i = 0; data && i < data->mNumProperties; i++)
     if (strcmp(data->mKeys[i].data, "UpAxis") == 0 && data->mValues[i].mType == AI_INT32)
       return *(const int32_t *)data->mValues[i].mData;
@@ -478,17 +483,14 @@ static void decode_percent(char *text) {
  * to hold paths of the computer that they were made on. */
 static StyPicture find_outer_texture(const char *path, struct aiString *name) {
   for (char *c = name->data; *c; c++) *c = *c == '\\' ? '/' : *c; /* files written on Windows */
-  if (strncasecmp(find_extension(path), "gl", 2) == 0) decode_percent(name->data);
+  if (is_gltf(path)) decode_percent(name->data);
   const char *slash = strrchr(name->data, '/');
   char *folder = sty_get_folder(path);
-  StyPicture picture = {.path = folder ? sty_join_path(folder, name->data) : NULL, .named_by = strdup(path)};
+  char *named = folder ? sty_join_path(folder, name->data) : NULL;
   char *beside = folder && slash ? sty_join_path(folder, slash + 1) : NULL;
-  if (beside && picture.path && access(picture.path, F_OK) != 0 && access(beside, F_OK) == 0) {
-    char *const nowhere = picture.path;
-    picture.path = beside;
-    beside = nowhere;
-  }
-  free(beside);
+  const bool is_beside = named && beside && access(named, F_OK) != 0 && access(beside, F_OK) == 0;
+  const StyPicture picture = {.path = is_beside ? beside : named, .named_by = strdup(path)};
+  free(is_beside ? named : beside);
   free(folder);
   if (picture.path && picture.named_by) return picture;
   free(picture.path);
@@ -521,8 +523,7 @@ static int number_texture(StyMesh *mesh, StyPicture *picture) {
 
 /* Of the formats that have materials; of others the importer makes grey ones up. */
 static bool has_materials(const char *path) {
-  return strcasecmp(find_extension(path), "obj") == 0 || strcasecmp(find_extension(path), "fbx") == 0 ||
-         strncasecmp(find_extension(path), "gl", 2) == 0;
+  return has_extension(path, "obj") || has_extension(path, "fbx") || is_gltf(path);
 }
 
 /* White for what the file says nothing of, where the importer would say grey. */
@@ -578,7 +579,7 @@ static StyStatus build_mesh(Import *import, StyMesh *mesh, StyError *error) {
 
 StyStatus sty_import_mesh(const char *path, bool keep_normals, StyMesh **out, StyError *error) {
   /* STL can only store facets, so its normals tell nothing. */
-  Import import = {.path = path, .keep_normals = keep_normals && strcasecmp(find_extension(path), "stl") != 0};
+  Import import = {.path = path, .keep_normals = keep_normals && !has_extension(path, "stl")};
   StyMesh *mesh = calloc(1, sizeof *mesh);
   if (!mesh) return sty_fail_memory(error, "mesh", sizeof *mesh);
   mesh->path = strdup(path);

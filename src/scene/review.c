@@ -54,8 +54,7 @@ static bool *list_placed_parts(const StyMesh *mesh) {
 }
 
 static bool is_textured(const StyObject *object, const StyMesh *mesh, int part) {
-  const bool own = object->is_painted || !mesh->paints;
-  return (own ? object->material.paint.texture : mesh->paints[part].texture) >= 0;
+  return sty_get_paint(object, mesh, part)->texture >= 0;
 }
 
 /* The first part that has a texture and no coordinates; the number of parts: there is none. */

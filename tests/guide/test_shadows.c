@@ -30,28 +30,32 @@ static void draw_transform(uint64_t *state, double most, double shift, double ou
   }
 }
 
-/* The luminance of everything seen is that of a surface that nothing hides; returns how many pixels were looked at. */
-static int expect_lit(const StyImage *guide, const double right[3], const double up[3], const double back[3],
-                      const double to[3]) {
+/* The sun shines from `to` on the scene, which is let go: seen along -z, the luminance of everything that faces it is
+ * that of a surface that nothing hides. Returns how many pixels that are. */
+static int expect_lit(StyScene *scene, const StyStand *stand, const double to[3]) {
+  const double from[3] = {-to[0], -to[1], -to[2]};
   int lit = 0;
+  add_sun(scene, from);
+  assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
+  StyImage *guide = trace_from(
+      scene, stand, (StyTraceOptions){.width = SIDE, .height = SIDE, .groups = STY_GUIDE_NORMAL | STY_GUIDE_LUMA});
   for (int y = 0; y < SIDE; y++)
     for (int x = 0; x < SIDE; x++) {
       if (look_up(guide, "A", x, y) == 0) continue;
-      const double n[3] = {look_up(guide, "normal.X", x, y), look_up(guide, "normal.Y", x, y),
-                           look_up(guide, "normal.Z", x, y)};
-      double cosine = 0;
-      for (int k = 0; k < 3; k++) cosine += (n[0] * right[k] + n[1] * up[k] + n[2] * back[k]) * to[k];
+      const double cosine = look_up(guide, "normal.X", x, y) * to[0] + look_up(guide, "normal.Y", x, y) * to[1] +
+                            look_up(guide, "normal.Z", x, y) * to[2];
       if (cosine < 1e-4) continue;
       lit++;
       assert_true(fabs(look_up(guide, "luma.Y", x, y) - cosine) < 1e-5);
     }
+  sty_destroy_image(&guide);
+  sty_destroy_scene(&scene);
   return lit;
 }
 
 /* One convex thing in a scene that something else, far away behind it, makes large; light from anywhere. */
 static void test_own_light(void **state) {
   (void)state;
-  static const double right[3] = {1, 0, 0}, up[3] = {0, 1, 0}, back[3] = {0, 0, 1};
   uint64_t random = 7;
   int lit = 0;
   for (int s = 0; s < SCENES; s++) {
@@ -71,16 +75,9 @@ static void test_own_light(void **state) {
     if (s % 3 == 2) add_shape(scene, make_box(3), transform);
     draw_direction(&random, to);
     to[2] = fabs(to[2]);
-    const double from[3] = {-to[0], -to[1], -to[2]};
-    add_sun(scene, from);
-    assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
     StyStand stand = {.position = {centre[0], centre[1], centre[2] + 3 * reach}, .up = {0, 1, 0}, .height = 2 * reach};
     memcpy(stand.target, centre, sizeof stand.target);
-    StyImage *guide = trace_from(
-        scene, &stand, (StyTraceOptions){.width = SIDE, .height = SIDE, .groups = STY_GUIDE_NORMAL | STY_GUIDE_LUMA});
-    lit += expect_lit(guide, right, up, back, to);
-    sty_destroy_image(&guide);
-    sty_destroy_scene(&scene);
+    lit += expect_lit(scene, &stand, to);
   }
   assert_true(lit > SCENES * SIDE * SIDE / 8);
 }
@@ -89,7 +86,6 @@ static void test_own_light(void **state) {
  */
 static void test_far_from_the_middle(void **state) {
   (void)state;
-  static const double right[3] = {1, 0, 0}, up[3] = {0, 1, 0}, back[3] = {0, 0, 1};
   uint64_t random = 3;
   int lit = 0;
   for (int s = 0; s < SCENES; s++) {
@@ -98,7 +94,7 @@ static void test_far_from_the_middle(void **state) {
     double to[3], turned[3][4];
     draw_direction(&random, to);
     to[2] = fabs(to[2]);
-    const double from[3] = {-to[0], -to[1], -to[2]}, size = 1e-3 * draw_between(&random, 1, 2);
+    const double size = 1e-3 * draw_between(&random, 1, 2);
     /* The right half's end far away, the left half small at the origin of the world. */
     for (size_t v = 0; v < mesh->vertex_count; v++) {
       float *at = &mesh->positions[3 * v];
@@ -115,14 +111,8 @@ static void test_far_from_the_middle(void **state) {
       assert_int_equal(sty_add_sphere(scene, &far, NULL), STY_OK);
     }
     add_shape(scene, mesh, turned);
-    add_sun(scene, from);
-    assert_int_equal(sty_finish_scene(scene, NULL), STY_OK);
     const StyStand stand = {.position = {0, 0, 5}, .up = {0, 1, 0}, .height = 4e-3};
-    StyImage *guide = trace_from(
-        scene, &stand, (StyTraceOptions){.width = SIDE, .height = SIDE, .groups = STY_GUIDE_NORMAL | STY_GUIDE_LUMA});
-    lit += expect_lit(guide, right, up, back, to);
-    sty_destroy_image(&guide);
-    sty_destroy_scene(&scene);
+    lit += expect_lit(scene, &stand, to);
   }
   assert_true(lit > SCENES * SIDE * SIDE / 32);
 }
