@@ -61,35 +61,72 @@ typedef struct StyBundle {
  * NULL, *culprit is the index of the file at fault. */
 StyRuntimeStatus sty_open_bundle(const StyBlob files[STY_BUNDLE_FILES], StyBundle *out, int *culprit);
 
-/* The parameters of one style. */
+/* The parameters of one style, as the parameter texture has them. */
 typedef struct StyStyle {
-  int threshold;         /* sum of absolute byte differences; accepted when below; 0..STY_MAX_THRESHOLD */
-  int top_level;         /* 0..STY_MAX_LEVEL */
-  int radius;            /* of blending, pixels, 0..STY_MAX_RADIUS */
-  float depth_tolerance; /* scene units; 0 = votes aren't dropped for depth */
-  int layer;             /* of the exemplar array */
-  unsigned flags;        /* STY_FLAG_* */
+  int threshold;                 /* sum of absolute byte differences; accepted when below; 0..STY_MAX_THRESHOLD */
+  int top_level;                 /* 0..STY_MAX_LEVEL */
+  int radius;                    /* of blending, pixels, 0..STY_MAX_RADIUS */
+  float depth_tolerance;         /* scene units; 0 = votes aren't dropped for depth */
+  float luma_weight;             /* of the luminance difference (alpha of thesis eq. 3.3.1), 0..STY_MAX_LUMA_WEIGHT */
+  float colour_weight;           /* of the frame's albedo, 0 (none) .. 1 */
+  int layer;                     /* first of the exemplar array */
+  int layer_count;               /* lightings, 1..STY_MAX_LIGHTINGS; with STY_FLAG_BASE as many bases follow */
+  float luma[STY_MAX_LIGHTINGS]; /* luminance that each lighting was painted for, 0..1 */
+  float jitter_amount;           /* how far seeds leave their cell's corner, in cells, 0..1 */
+  int jitter_period;             /* frames that a jitter table lasts, 0..STY_MAX_PERIOD; 0 = always the first table */
+  float scale;                   /* pixels of the picture per source pixel: 0.5, 1 or 2 */
+  unsigned flags;                /* STY_FLAG_* */
+  int scatter;                   /* source pixels by which pieces move on flat surfaces, 0..STY_MAX_SCATTER */
 } StyStyle;
 
 /* style: 1 .. number of styles (the width of the params texture). BAD_PARAMETER
- * when a value is not finite, not whole where it counts something, or outside
- * the range above; so far also when the layer count is not 1, since styles have
- * one lighting. Luminances, weights, jitter amount, jitter period and exemplar
- * scale are checked (finite; all but luminances not negative) but not used. */
+ * when a value is not finite, not whole where it counts something, outside the
+ * range above, or speaks of layers that the bundle lacks. */
 StyRuntimeStatus sty_get_style(const StyBundle *bundle, int style, StyStyle *out);
 
-#define STY_MAX_FRAME_SIDE (1 << 20)
+/* The texels of one style, and back; `exemplars` is the number of layers that there are. */
+void sty_encode_style(const StyStyle *style, float rows[STY_PARAM_ROWS][4]);
+StyRuntimeStatus sty_decode_style(const float rows[STY_PARAM_ROWS][4], uint32_t exemplars, StyStyle *out);
 
-/* What a frame shows, row 0 at the top, rows without padding. */
+/* Which code does the work. All give the same bytes; tests and benchmarks choose,
+ * everyone else leaves 0. The reference is the formulas as they stand below. */
+typedef enum StyRuntimePath {
+  STY_PATH_BEST,
+  STY_PATH_REFERENCE,
+  STY_PATH_PORTABLE,
+  STY_PATH_AVX2,
+  STY_PATH_AVX512
+} StyRuntimePath;
+
+/* Whether this processor and build have a path; those they lack are BAD_ARGUMENT in a frame. */
+int sty_has_path(StyRuntimePath path);
+
+#define STY_MAX_FRAME_SIDE (1 << 20)
+#define STY_MAX_ANCHOR (1 << 24)
+
+typedef struct StySeeds StySeeds;
+
+/* What a frame shows, row 0 at the top, rows without padding. Zero what isn't used. */
 typedef struct StyFrame {
-  int width, height;     /* 1..STY_MAX_FRAME_SIDE */
-  const uint8_t *guide;  /* 4 a pixel: n/2+1/2 rounded to bytes, and coverage (above 0) */
-  const float *fine;     /* 2 a pixel: n.x and n.y at full precision, to address the LUT; NULL: the bytes.
-                            Clamped to -1..1; NaN counts as 0 */
-  const float *depth;    /* 1 a pixel, for edge-aware blending; NULL: none */
-  const uint8_t *styles; /* 1 a pixel, 0 and ids above the bundle's styles = not stylized; NULL: `style` everywhere */
-  int style;             /* 1 and up; used where styles is NULL */
-  int jitter_frame;      /* which jitter layer, modulo their number; 0 and up */
+  int width, height;       /* 1..STY_MAX_FRAME_SIDE */
+  int resolution;          /* of its pixels beside the picture's: -1 half, 0 the same, 1 double */
+  const uint8_t *guide;    /* 4 a pixel: n/2+1/2 rounded to bytes, and coverage (above 0) */
+  const float *fine;       /* 2 a pixel: n.x and n.y at full precision, to address the LUT; NULL: the bytes.
+                              Clamped to -1..1; NaN counts as 0 */
+  const float *depth;      /* 1 a pixel, for edge-aware blending; NULL: none */
+  const uint8_t *styles;   /* 1 a pixel, 0 and ids above the bundle's styles = not stylized; NULL: `style` everywhere */
+  int style;               /* 1 and up; used where styles is NULL */
+  const uint16_t *objects; /* object ids, 1 a pixel, for STY_FLAG_OBJECTS and anchors; NULL: all are 0 */
+  const uint8_t *luma;     /* luminance, 1 a pixel: 0..1 rounded to bytes; NULL: lightings are not chosen by light
+                              (always the first, no luminance error) */
+  const uint8_t *albedo;   /* 4 a pixel: R G B encoded as the exemplar's (sRGB), the fourth isn't read; NULL: white */
+  const int32_t *anchors;  /* 2 an object id (x, y): where the object's seed grid begins, pixels of this frame, at
+                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all */
+  int anchor_count;        /* object ids that have one: 0 .. anchor_count-1; the others' is 0, 0 */
+  int number;              /* of the frame in its sequence, 0 and up: chooses the jitter table */
+  const StySeeds *seeds;   /* seeds worked out before (see sty_plan_seeds), to save time; NULL: none */
+  int seeds_count;
+  StyRuntimePath path;
 } StyFrame;
 
 /* Pixels x0..x1-1, y0..y1-1 of a frame; may be empty. */
@@ -97,42 +134,108 @@ typedef struct StyRect {
   int x0, y0, x1, y1;
 } StyRect;
 
-/* One entry of the nearest-neighbour field: the source pixel, or STY_NO_SOURCE
- * in both where nothing is stylized, and the level that was accepted. */
+/* One entry of the nearest-neighbour field: the source pixel, and how it was found. */
 typedef struct StyMatch {
-  uint16_t x, y;
-  uint8_t level; /* top level..0; STY_LEVEL_FALLBACK; STY_LEVEL_NONE */
+  uint16_t x, y;  /* STY_NO_SOURCE in both where nothing is stylized */
+  uint8_t level;  /* top level..0; STY_LEVEL_FALLBACK; STY_LEVEL_NONE */
+  uint8_t layer;  /* lighting, 0..layer_count-1 of the style */
+  uint8_t style;  /* that the pixel is drawn in, less 1 (0..255) */
+  uint8_t unused; /* 0 */
 } StyMatch;
 #define STY_NO_SOURCE 0xFFFFu
 #define STY_LEVEL_FALLBACK 254 /* no level was accepted: LUT(guide at p) */
-#define STY_LEVEL_NONE 255     /* not covered or not stylized */
+#define STY_LEVEL_NONE 255     /* not covered or not stylized: layer and style are 0 */
 
-/* Transfer: fills `matches` (width*height of the frame) inside `rect`.
- * For level = top..0 and h = 2^level: the seed of cell b is
- * floor(h*(b + jitter[b mod 256]/255)); the nearest of the 3x3 cells around the
- * pixel wins (x outer, y inner, strict less-than). u* = LUT(guide at seed); the
- * candidate is u* + (p - seed); it is accepted when it lies inside the source,
- * is covered there, and the sum over x, y, z of absolute byte differences
- * between the frame's guide at p and the source's at the candidate is below the
- * threshold. A seed outside the frame or not covered proposes nothing; one on
- * another style's pixel proposes through the LUT of p's own style. When no level
- * is accepted the match is LUT(guide at p), which always lies inside the source. */
+/* ---- seeds ---------------------------------------------------------------------
+ * The seed of cell b at level l, h = 2^l, is h*b + floor(h * jitter[b mod 256] * a / (255*255)), a = the amount rounded
+ * to 255ths; the nearest of the 3x3 cells around a pixel wins (x outer, y inner, strict less-than). The table is layer
+ * floor(number / period) mod layers. The grid begins at the frame's corner, or at the anchor of the pixel's object.
+ *
+ * Which seed is nearest depends on place, jitter table and amount alone, so a caller whose jitter lasts keeps the
+ * answers: 12 bytes a pixel. */
+
+/* Nearest seeds of levels 1..STY_SEED_LEVELS for one table and amount. */
+#define STY_SEED_LEVELS 6
+typedef struct StySeedOffset {
+  int8_t x, y; /* seed - pixel */
+} StySeedOffset;
+struct StySeeds {
+  StyRect area;           /* pixels less anchor that it answers for; any integers within STY_MAX_ANCHOR */
+  int table, amount;      /* layer of the jitter texture, 255ths */
+  StySeedOffset *offsets; /* levels 1..STY_SEED_LEVELS, each an area, row after row */
+};
+
+/* Bytes that the offsets of an area take; 0 where it is empty or too large. */
+size_t sty_get_seeds_size(StyRect area);
+
+/* Points *out to `offsets` (which stay the caller's) for what `style` asks for in frame `number`. Then fill all rows,
+ * area.y0 .. area.y1-1, in parts and from as many threads as you like. */
+StyRuntimeStatus sty_plan_seeds(const StyBundle *bundle, int style, int number, StyRect area, StySeedOffset *offsets,
+                                StySeeds *out);
+StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, int y0, int y1, StyRuntimePath path);
+
+/* ---- transfer ------------------------------------------------------------------
+ * All four fill `matches` (width*height of the frame) inside `rect`. */
+
+/* StyleBlit, parallel form (thesis 000, algorithm 1). For level = top..0 the nearest seed proposes u* = LUT(guide at
+ * seed); the candidate is u* + (p - seed) / S, S = scale
+ * * 2^resolution, rounded down; the lighting is that of least |luma byte at seed - luma byte of the lighting|, the
+ * first among equals. It is accepted when it lies inside the source, is covered there, and 256 * D + w * |luma at p -
+ * luma of the lighting| < 256 * threshold, D = sum over x, y, z of absolute byte differences between the frame's guide
+ * at p and the source's at the candidate, w = 256 * luma_weight rounded (eq. 3.3.1). A seed outside the frame or not
+ * covered proposes nothing, nor does one of another object where there are anchors; one on another style's pixel
+ * proposes through the LUT of p's own style. When no level is accepted the match is LUT(guide at p), which always lies
+ * inside the source, in the lighting nearest to p.
+ *
+ * scatter: a seed of level STY_SCATTER_LEVEL and up is flat when the guide h/2 to its left, right, above and below
+ * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't). Its u*
+ * moves by floor((2*scatter + 1) * j / 256) - scatter, j = the jitter table's bytes (x, y) at ((seed - anchor + 128)
+ * mod 256), unless that leaves the source or its mask. */
 StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches);
+#define STY_SCATTER_LEVEL 3
+#define STY_FLAT_DIFFERENCE 2
+
+/* The lit sphere (matcap): LUT(guide at p) for every pixel, in the lighting nearest to p. */
+StyRuntimeStatus sty_look_up_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches);
+
+/* StyleBlit as it was first stated (thesis 001, algorithm 1), over the whole frame: in row order, a pixel that is still
+ * empty copies all source pixels around u* = LUT(guide at p) that land on empty pixels of its style and are accepted as
+ * above, as level 0; if it is empty then, it falls back. Scale, jitter, scatter and anchors have no part in it;
+ * resolution must be 0. Time: chunks times source pixels. A reference for small pictures. */
+StyRuntimeStatus sty_transfer_brute(const StyBundle *bundle, const StyFrame *frame, StyMatch *matches);
+
+/* Transfer at half resolution, second step: `half` is a frame of the pixels (2x, 2y) of `frame`, (width+1)/2 by
+ * (height+1)/2 with resolution one less, `half_matches` its matches (needed around rect/2). Pixel (x, y) moves on from
+ * the match of (x/2, y/2) by (x%2, y%2) / S where that is of its style and is accepted as above; else it falls back. */
+StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,
+                                    const StyFrame *frame, StyRect rect, StyMatch *matches);
+
+/* ---- pictures ------------------------------------------------------------------ */
 
 /* Blend: writes RGBA inside `rect` of `out` (width*height*4 of the frame), as
  * uint8_t for bits == 8 and uint16_t for bits == 16. A pixel is the mean of its
- * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o], over neighbours of the
- * same style; a vote is dropped when it leaves the source or its mask, or when
+ * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] in the neighbour's lighting, over neighbours of the
+ * same style; a vote is dropped when it leaves the source or its mask, when
  * the depth there differs by more than the tolerance (equal infinities agree,
- * NaN agrees with nothing but itself at o = 0). Where no vote is left, the
- * exemplar at match(p) stands alone. The mean is that of the stored bytes, as in
+ * NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1), or, with STY_FLAG_OBJECTS, when the object is
+ * another. Where no vote is left, the exemplar at match(p) stands alone. The mean is that of the stored bytes, as in
  * the published method, not of linear light. Colours weigh by the
  * exemplar's alpha; alpha is the mean alpha times the frame's coverage; both are
  * straight, not premultiplied, and rounded once, half up.
+ *
+ * With STY_FLAG_BASE (thesis 000, 2.2.3) votes give exemplar - base, and the pixel's own base, at LUT(guide at p) in
+ * the lighting nearest to p, is added to their mean, before all is clamped and rounded. Colour (3.3.2): the colour is
+ * multiplied by 1 - w + w * albedo, w = colour_weight rounded to 256ths; products of encoded values are close to those
+ * of light, encoded.
+ *
  * Pixels not covered or not stylized become 0 0 0 0. Needs the matches of `rect` grown by the
  * largest radius (within the frame). */
 StyRuntimeStatus sty_blend_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, const StyMatch *matches,
                                  int bits, void *out);
+
+/* Double resolution, last step: every pixel of `rect` in `out` (width*height) is the mean of four of `picture`
+ * (2*width by 2*height), RGBA of 8 or 16 bits; colours weigh by alpha, all is rounded once, half up. */
+StyRuntimeStatus sty_halve_picture(int width, int height, int bits, const void *picture, StyRect rect, void *out);
 
 #ifdef __cplusplus
 }

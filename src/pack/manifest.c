@@ -65,7 +65,7 @@ static StyStatus read_style(const StyDocument *document, const StyPath *path, co
       .lut_engine = "auto",
       .lut_size = 256,
       .lut_sampling = "unorm8",
-      .parameters = {.threshold = 24, .top_level = 6, .radius = 1},
+      .parameters = {.threshold = 24, .top_level = 6, .radius = 1, .layer_count = 1, .jitter_amount = 1, .scale = 1},
   };
   StyStatus status = sty_check_keys(document, path, style, known, error);
   if (!status) status = sty_get_string(document, path, style, "name", 1, &out->name, error);

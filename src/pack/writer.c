@@ -141,13 +141,11 @@ StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *exemplar, cons
     return sty_fail(error, STY_ERROR_USAGE, "%s: found more styles than the %d expected", writer->path,
                     writer->shape.style_count);
   const int style = writer->written++;
-  const float rows[STY_PARAM_ROWS][4] = {
-      {(float)parameters->threshold, (float)parameters->top_level, (float)parameters->radius,
-       parameters->depth_tolerance},
-      {0, 0, (float)style, 1},
-      {0, 0, 0, 0},
-      {1, 1, 1, (float)parameters->flags},
-  };
+  float rows[STY_PARAM_ROWS][4];
+  StyStyle placed = *parameters;
+  placed.layer = style;
+  placed.layer_count = 1;
+  sty_encode_style(&placed, rows);
   for (int row = 0; row < STY_PARAM_ROWS; row++) memcpy(writer->params[row][style], rows[row], sizeof rows[row]);
   StyStatus status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_EXEMPLARS], exemplar, error);
   if (!status) status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_GUIDES], guide, error);

@@ -146,35 +146,6 @@ StyRuntimeStatus sty_open_bundle(const StyBlob files[STY_BUNDLE_FILES], StyBundl
   return STY_RUNTIME_OK;
 }
 
-/* NaN fails every comparison, so it is refused with the rest. */
-static bool read_integer(float value, int highest, int *out) {
-  if (!(value >= 0 && value <= (float)highest)) return false;
-  *out = (int)value;
-  return (float)*out == value;
-}
-
-static bool is_amount(float value) { return isfinite(value) && value >= 0; }
-
-static bool read_parameters(const float rows[STY_PARAM_ROWS][4], int exemplars, StyStyle *out) {
-  int layer_count, flags;
-  if (!read_integer(rows[0][0], STY_MAX_THRESHOLD, &out->threshold) ||
-      !read_integer(rows[0][1], STY_MAX_LEVEL, &out->top_level) ||
-      !read_integer(rows[0][2], STY_MAX_RADIUS, &out->radius) || !is_amount(rows[0][3]))
-    return false;
-  out->depth_tolerance = rows[0][3];
-
-  if (!is_amount(rows[1][0]) || !is_amount(rows[1][1]) || !read_integer(rows[1][2], exemplars - 1, &out->layer) ||
-      !read_integer(rows[1][3], 1, &layer_count) || layer_count != 1)
-    return false;
-  for (int component = 0; component < 4; component++)
-    if (!isfinite(rows[2][component])) return false;
-  if (!is_amount(rows[3][0]) || !is_amount(rows[3][1]) || !is_amount(rows[3][2]) ||
-      !read_integer(rows[3][3], STY_KNOWN_FLAGS, &flags) || ((unsigned)flags & ~STY_KNOWN_FLAGS) != 0)
-    return false;
-  out->flags = (unsigned)flags;
-  return true;
-}
-
 StyRuntimeStatus sty_get_style(const StyBundle *bundle, int style, StyStyle *out) {
   if (!bundle || !out || style < 1 || style > count_styles(bundle)) return STY_RUNTIME_BAD_ARGUMENT;
 
@@ -187,10 +158,5 @@ StyRuntimeStatus sty_get_style(const StyBundle *bundle, int style, StyStyle *out
       memcpy(&rows[row][component], &bits, sizeof bits);
     }
   }
-  StyStyle read;
-  uint32_t exemplars = bundle->textures[STY_BUNDLE_EXEMPLARS].layers;
-  if (!read_parameters((const float(*)[4])rows, exemplars > INT32_MAX ? INT32_MAX : (int)exemplars, &read))
-    return STY_RUNTIME_BAD_PARAMETER;
-  *out = read;
-  return STY_RUNTIME_OK;
+  return sty_decode_style((const float(*)[4])rows, bundle->textures[STY_BUNDLE_EXEMPLARS].layers, out);
 }

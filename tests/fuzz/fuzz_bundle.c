@@ -51,8 +51,16 @@ static void draw_frame(const StyBundle *bundle, const Supply *supply) {
   for (size_t i = 0; i < 2 * WIDTH * HEIGHT; i++) fine[i] = (float)peek(supply, i + 5) / 100 - 1.2f;
   for (size_t i = 0; i < WIDTH * HEIGHT; i++) depth[i] = (float)peek(supply, i + 7);
   const unsigned kind = peek(supply, 0);
-  const StyFrame frame = {
-      WIDTH, HEIGHT, guide, kind & 1 ? fine : NULL, kind & 2 ? depth : NULL, kind & 4 ? styles : NULL, 1, (int)kind};
+  const StyFrame frame = {.width = WIDTH,
+                          .height = HEIGHT,
+                          .guide = guide,
+                          .fine = kind & 1 ? fine : NULL,
+                          .depth = kind & 2 ? depth : NULL,
+                          .styles = kind & 4 ? styles : NULL,
+                          .style = 1,
+                          .luma = kind & 16 ? styles : NULL,
+                          .albedo = kind & 32 ? guide : NULL,
+                          .number = (int)kind};
   const StyRect all = {0, 0, WIDTH, HEIGHT};
   require(sty_transfer_frame(bundle, &frame, all, matches) == STY_RUNTIME_OK);
   check_matches(bundle, &frame, matches);

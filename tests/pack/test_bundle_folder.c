@@ -14,8 +14,14 @@ enum {
 };
 static const StyBundleShape SHAPE = {WIDTH, HEIGHT, LUT_SIZE, 1};
 
-static const StyStyle PARAMETERS = {
-    .threshold = 24, .top_level = 4, .radius = 1, .depth_tolerance = 0.5f, .flags = STY_FLAG_UNORM8};
+static const StyStyle PARAMETERS = {.threshold = 24,
+                                    .top_level = 4,
+                                    .radius = 1,
+                                    .depth_tolerance = 0.5f,
+                                    .layer_count = 1,
+                                    .jitter_amount = 1,
+                                    .scale = 1,
+                                    .flags = STY_FLAG_UNORM8};
 
 typedef struct Layers {
   uint8_t exemplar[4 * PIXELS], guide[4 * PIXELS];
@@ -580,7 +586,7 @@ static void test_finding_parameters(void **state) {
       write_bundle(path, 1, 1);
       put_path(file, path, sty_bundle_files[STY_BUNDLE_PARAMS]);
       unsigned char *bytes = read_bytes(file, &size);
-      /* One style: the texture is the last 64 bytes, row 0 first. */
+      /* One style: the texture is the last 80 bytes, row 0 first. */
       memcpy(bytes + size - 16 * STY_PARAM_ROWS + 4 * component, &bad[i], 4);
       write_file(file, bytes, size);
       free(bytes);

@@ -98,16 +98,20 @@ typedef struct Fixture {
   StyBundle bundle;
 } Fixture;
 
-static inline void write_style(Fixture *fixture, int style, const StyStyle *values) {
+/* Parameters that say no scale are plain: one lighting, full jitter, a new table each frame, scale 1. */
+static inline void write_style(Fixture *fixture, int style, const StyStyle *given) {
+  StyStyle values = *given;
+  if (values.scale == 0) values.layer_count = 1, values.jitter_amount = 1, values.jitter_period = 1, values.scale = 1;
   const float rows[STY_PARAM_ROWS][4] = {
-      {(float)values->threshold, (float)values->top_level, (float)values->radius, values->depth_tolerance},
-      {0, 0, (float)values->layer, 1},
-      {0, 0, 0, 0},
-      {1, 0, 1, (float)values->flags}};
+      {(float)values.threshold, (float)values.top_level, (float)values.radius, values.depth_tolerance},
+      {values.luma_weight, values.colour_weight, (float)values.layer, (float)values.layer_count},
+      {values.luma[0], values.luma[1], values.luma[2], values.luma[3]},
+      {values.jitter_amount, (float)values.jitter_period, values.scale, (float)values.flags},
+      {(float)values.scatter, 0, 0, 0}};
   for (int row = 0; row < STY_PARAM_ROWS; row++)
     for (int c = 0; c < 4; c++)
       put_float(fixture->texels[STY_BUNDLE_PARAMS] + 16 * (row * fixture->styles + style - 1) + 4 * c, rows[row][c]);
-  fixture->style[style] = *values;
+  fixture->style[style] = values;
 }
 
 /* Texels are 0, styles have threshold 24 and nothing else: fill, then open_fixture. */
@@ -209,8 +213,14 @@ static inline StyFrame draw_frame(uint64_t *random, const Guides *how, const Fix
   for (size_t i = 0; i < pixels; i++)
     styles[i] = (uint8_t)(draw_below(random, 8) ? 1 + draw_below(random, fixture->styles)
                                                 : draw_below(random, 2) * (255 - draw_below(random, 3)));
-  StyFrame frame = {
-      width, height, guide, fine, depth, styles, 1 + draw_below(random, fixture->styles), draw_below(random, 10)};
+  StyFrame frame = {.width = width,
+                    .height = height,
+                    .guide = guide,
+                    .fine = fine,
+                    .depth = depth,
+                    .styles = styles,
+                    .style = 1 + draw_below(random, fixture->styles),
+                    .number = draw_below(random, 10)};
   if (draw(random) & 1) free(fine), frame.fine = NULL;
   if (draw(random) & 1) free(depth), frame.depth = NULL;
   if (draw(random) & 1) free(styles), frame.styles = NULL;

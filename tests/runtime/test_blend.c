@@ -84,11 +84,12 @@ static StyMatch *draw_matches(uint64_t *random, const Fixture *fixture, const St
   for (int y = 0; y < frame->height; y++)
     for (int x = 0; x < frame->width; x++) {
       StyMatch *match = &matches[y * frame->width + x];
-      *match = (StyMatch){STY_NO_SOURCE, STY_NO_SOURCE, STY_LEVEL_NONE};
+      *match = (StyMatch){.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
       if (!ask_style(fixture, frame, x, y)) continue;
       const bool alone = draw_below(random, 4) == 0;
-      *match = (StyMatch){(uint16_t)((alone ? draw_below(random, 1 << 15) : x) % fixture->width),
-                          (uint16_t)((alone ? draw_below(random, 1 << 15) : y) % fixture->height), STY_LEVEL_FALLBACK};
+      *match = (StyMatch){.x = (uint16_t)((alone ? draw_below(random, 1 << 15) : x) % fixture->width),
+                          .y = (uint16_t)((alone ? draw_below(random, 1 << 15) : y) % fixture->height),
+                          .level = STY_LEVEL_FALLBACK};
     }
   return matches;
 }
@@ -177,7 +178,7 @@ static Row *make_row(int count, int radius, float tolerance, const uint8_t exemp
   memset(row->fixture->texels[STY_BUNDLE_GUIDES], 255, 12);
   open_fixture(row->fixture);
   memset(row->guide, 255, sizeof row->guide);
-  for (int i = 0; i < 3; i++) row->matches[i] = (StyMatch){(uint16_t)i, 0, 0};
+  for (int i = 0; i < 3; i++) row->matches[i] = (StyMatch){.x = (uint16_t)i};
   row->frame = (StyFrame){
       .width = count, .height = 1, .guide = row->guide, .depth = tolerance > 0 ? row->depth : NULL, .style = 1};
   return row;
@@ -210,7 +211,7 @@ static void test_radius_0_is_the_exemplar(void **state) {
 static void test_colours_weigh_by_alpha(void **state) {
   (void)state;
   Row *row = make_row(2, 1, 0, (const uint8_t[12]){200, 10, 0, 255, 100, 255, 7, 0, 0, 0, 0, 0});
-  row->matches[1] = (StyMatch){2, 0, 0};     /* votes texel 1 for pixel 0 */
+  row->matches[1] = (StyMatch){.x = 2};      /* votes texel 1 for pixel 0 */
   expect_colour(row, 0, 8, 200, 10, 0, 128); /* 127.5 up */
   expect_colour(row, 0, 16, 200 * 257, 10 * 257, 0, 32768);
   row->guide[3] = 100; /* 127.5 * 100/255 = 50 */

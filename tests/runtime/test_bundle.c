@@ -1,4 +1,6 @@
 /* sty_open_texture, sty_open_bundle and sty_get_style: what they take, and all that they refuse. */
+#include <float.h>
+
 #include "fixture.h"
 
 static unsigned char *get_bytes(const Fixture *fixture, int file) { return (void *)fixture->files[file].data; }
@@ -34,7 +36,7 @@ static void expect_inside(StyBlob file, const StyTexture *texture) {
 static void test_textures_of_a_good_bundle(void **state) {
   (void)state;
   static const uint32_t sizes[STY_BUNDLE_FILES][4] = {
-      {5, 3, 2, 4}, {5, 3, 3, 4}, {4, 4, 3, 4}, {3, 4, 1, 16}, {256, 256, 2, 2}};
+      {5, 3, 2, 4}, {5, 3, 3, 4}, {4, 4, 3, 4}, {3, 5, 1, 16}, {256, 256, 2, 2}};
   Fixture *fixture = make_small();
   for (int file = 0; file < STY_BUNDLE_FILES; file++) {
     const StyTexture *texture = &fixture->bundle.textures[file];
@@ -102,7 +104,7 @@ static void test_changed_bytes(void **state) {
   StyMatch matches[6];
   uint64_t random = 9;
   draw_guide(&random, &(Guides){0, 256, 0}, guide, 6);
-  const StyFrame frame = {.width = 3, .height = 2, .guide = guide, .style = 3, .jitter_frame = 5};
+  const StyFrame frame = {.width = 3, .height = 2, .guide = guide, .style = 3, .number = 5};
   const StyRect all = {0, 0, 3, 2};
   size_t taken = 0, refused = 0;
   for (int file = 0; file < STY_BUNDLE_FILES; file++)
@@ -248,11 +250,11 @@ static void test_files_that_do_not_belong(void **state) {
       {STY_BUNDLE_LUTS, 4, 4, 4, STY_RUNTIME_MISMATCH, STY_BUNDLE_LUTS},
       {STY_BUNDLE_LUTS, 4, 5, 3, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_LUTS},
       {STY_BUNDLE_LUTS, STY_MAX_LUT_SIDE + 1, STY_MAX_LUT_SIDE + 1, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_LUTS},
-      {STY_BUNDLE_PARAMS, 2, 4, 1, STY_RUNTIME_MISMATCH, STY_BUNDLE_PARAMS},
-      {STY_BUNDLE_PARAMS, 4, 4, 1, STY_RUNTIME_MISMATCH, STY_BUNDLE_PARAMS},
-      {STY_BUNDLE_PARAMS, 3, 3, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_PARAMS},
-      {STY_BUNDLE_PARAMS, 3, 4, 2, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_PARAMS},
-      {STY_BUNDLE_PARAMS, STY_MAX_STYLES + 1, 4, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_PARAMS},
+      {STY_BUNDLE_PARAMS, 2, 5, 1, STY_RUNTIME_MISMATCH, STY_BUNDLE_PARAMS},
+      {STY_BUNDLE_PARAMS, 4, 5, 1, STY_RUNTIME_MISMATCH, STY_BUNDLE_PARAMS},
+      {STY_BUNDLE_PARAMS, 3, 4, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_PARAMS},
+      {STY_BUNDLE_PARAMS, 3, 5, 2, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_PARAMS},
+      {STY_BUNDLE_PARAMS, STY_MAX_STYLES + 1, 5, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_PARAMS},
       {STY_BUNDLE_JITTER, 128, 256, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_JITTER},
       {STY_BUNDLE_JITTER, 256, 255, 1, STY_RUNTIME_WRONG_FORMAT, STY_BUNDLE_JITTER}};
   Fixture *fixture = make_small();
@@ -275,24 +277,51 @@ static void test_files_that_do_not_belong(void **state) {
   destroy_fixture(fixture);
 }
 
-/* A component of the parameters is an amount, any number that is finite, or whole up to its highest. */
+/* What a component of the parameters may be: from `low` to `high`, whole or any number, and no flag or layer count
+ * speaks of layers that aren't there (the small bundle has two). */
+static const struct {
+  double low, high;
+  bool is_whole;
+} ranges[4 * STY_PARAM_ROWS] = {{0, STY_MAX_THRESHOLD, true},
+                                {0, STY_MAX_LEVEL, true},
+                                {0, STY_MAX_RADIUS, true},
+                                {0, FLT_MAX, false},
+                                {0, STY_MAX_LUMA_WEIGHT, false},
+                                {0, 1, false},
+                                {0, 1, true},
+                                {1, 2, true},
+                                {0, 1, false},
+                                {0, 1, false},
+                                {0, 1, false},
+                                {0, 1, false},
+                                {0, 1, false},
+                                {0, STY_MAX_PERIOD, true},
+                                {0.5, 2, false},
+                                {0, STY_KNOWN_FLAGS, true},
+                                {0, STY_MAX_SCATTER, true},
+                                {0, 0, true},
+                                {0, 0, true},
+                                {0, 0, true}};
+
+static bool is_in_range(int component, float value) {
+  const double low = ranges[component].low, high = ranges[component].high;
+  if (component == 14) return value == 0.5f || value == 1 || value == 2;
+  return value >= low && value <= high && (!ranges[component].is_whole || (double)value == floor((double)value));
+}
+
 static void test_parameters(void **state) {
   (void)state;
-  static const char kinds[] = "wwwaaawwffffaaaw";
-  static const int highest[16] = {STY_MAX_THRESHOLD, STY_MAX_LEVEL, STY_MAX_RADIUS, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0,
-                                  STY_KNOWN_FLAGS};
   Fixture *fixture = make_small();
-  for (int i = 0; i < 16 * 3; i++) { /* every component of every style */
-    const int c = i % 16, style = 1 + i / 16;
-    const bool is_whole = kinds[c] == 'w', is_finite = kinds[c] == 'f';
-    const float low = c == 7 ? 1 : 0, high = (float)highest[c];                        /* there is always one layer */
-    const float values[] = {NAN,      INFINITY, -INFINITY, -1,   -1e-9f,      low - 1, /* if any number */
-                            high + 1, 1e30f,    0.5f,      1.5f, high + 0.5f,          /* if not whole */
-                            low,      high};
+  for (int i = 0; i < 4 * STY_PARAM_ROWS * 3; i++) { /* every component of every style */
+    const int c = i % (4 * STY_PARAM_ROWS), style = 1 + i / (4 * STY_PARAM_ROWS);
+    const float low = (float)ranges[c].low, high = (float)ranges[c].high;
+    const float values[] = {NAN,     INFINITY,    -INFINITY, -1,   -1e-9f,
+                            low - 1, high + 1,    high * 2,  0.5f, 1.5f,
+                            0.75f,   high + 0.5f, low,       high, nextafterf(high, INFINITY)};
     unsigned char *at = fixture->texels[STY_BUNDLE_PARAMS] + 16 * (c / 4 * 3 + style - 1) + 4 * (c % 4), kept[4];
     memcpy(kept, at, 4);
-    for (int k = 0; k < 13; k++) {
-      const bool is_fine = k < 3 ? false : k < 6 ? is_finite : k < 11 ? !is_whole : true;
+    for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
+      const bool is_fine = is_in_range(c, values[k]);
       StyStyle read;
       put_float(at, values[k]);
       const StyRuntimeStatus found = sty_get_style(&fixture->bundle, style, &read);
@@ -308,17 +337,56 @@ static void test_parameters(void **state) {
   destroy_fixture(fixture);
 }
 
+/* Lightings and their bases must be among the layers. */
+static void test_layers_that_are_not_there(void **state) {
+  (void)state;
+  static const struct {
+    int layer, count;
+    unsigned flags;
+    bool is_fine;
+  } cases[] = {{0, 4, 0, true},
+               {1, 3, 0, true},
+               {1, 4, 0, false},
+               {4, 1, 0, false},
+               {3, 1, 0, true},
+               {0, 2, STY_FLAG_BASE, true},
+               {0, 3, STY_FLAG_BASE, false},
+               {1, 2, STY_FLAG_BASE, false},
+               {2, 1, STY_FLAG_BASE, true},
+               {3, 1, STY_FLAG_BASE, false}};
+  Fixture *fixture = make_fixture(1, 1, 1, 1, 4, 1);
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    StyStyle read;
+    write_style(
+        fixture, 1,
+        &(StyStyle){.layer = cases[i].layer, .layer_count = cases[i].count, .scale = 1, .flags = cases[i].flags});
+    fixture->bundle.textures[STY_BUNDLE_PARAMS] = (StyTexture){fixture->texels[STY_BUNDLE_PARAMS], 1, 5, 1, 16};
+    fixture->bundle.textures[STY_BUNDLE_EXEMPLARS].layers = 4;
+    assert_int_equal(sty_get_style(&fixture->bundle, 1, &read),
+                     cases[i].is_fine ? STY_RUNTIME_OK : STY_RUNTIME_BAD_PARAMETER);
+  }
+  destroy_fixture(fixture);
+}
+
 static void test_styles(void **state) {
   (void)state;
   uint64_t random = 10;
   Fixture *fixture = make_fixture(1, 1, 1, STY_MAX_STYLES, 9, 1);
   for (int style = 1; style <= STY_MAX_STYLES; style++) {
-    const StyStyle values = {draw_below(&random, STY_MAX_THRESHOLD + 1),
-                             draw_below(&random, STY_MAX_LEVEL + 1),
-                             draw_below(&random, STY_MAX_RADIUS + 1),
-                             fabsf(draw_signed(&random)),
-                             draw_below(&random, 9),
-                             (unsigned)draw_below(&random, 2)};
+    const StyStyle values = {.threshold = draw_below(&random, STY_MAX_THRESHOLD + 1),
+                             .top_level = draw_below(&random, STY_MAX_LEVEL + 1),
+                             .radius = draw_below(&random, STY_MAX_RADIUS + 1),
+                             .depth_tolerance = fabsf(draw_signed(&random)),
+                             .luma_weight = (float)draw_below(&random, 17),
+                             .colour_weight = (float)draw_below(&random, 9) / 8,
+                             .layer = draw_below(&random, 6),
+                             .layer_count = 1 + draw_below(&random, 4),
+                             .luma = {0, 0.25f, (float)draw_below(&random, 9) / 8, 1},
+                             .jitter_amount = (float)draw_below(&random, 9) / 8,
+                             .jitter_period = draw_below(&random, STY_MAX_PERIOD + 1),
+                             .scale = (float)(1 << draw_below(&random, 3)) / 2,
+                             .flags = (unsigned)draw_below(&random, 4),
+                             .scatter = draw_below(&random, STY_MAX_SCATTER + 1)};
     write_style(fixture, style, &values);
   }
   open_fixture(fixture);
@@ -328,7 +396,16 @@ static void test_styles(void **state) {
     assert_int_equal(sty_get_style(&fixture->bundle, style, &found), STY_RUNTIME_OK);
     assert_true(found.threshold == wanted->threshold && found.top_level == wanted->top_level);
     assert_true(found.radius == wanted->radius && found.depth_tolerance == wanted->depth_tolerance);
-    assert_true(found.layer == wanted->layer && found.flags == wanted->flags);
+    assert_true(found.luma_weight == wanted->luma_weight && found.colour_weight == wanted->colour_weight);
+    assert_true(found.layer == wanted->layer && found.layer_count == wanted->layer_count);
+    assert_memory_equal(found.luma, wanted->luma, sizeof found.luma);
+    assert_true(found.jitter_amount == wanted->jitter_amount && found.jitter_period == wanted->jitter_period);
+    assert_true(found.scale == wanted->scale && found.flags == wanted->flags && found.scatter == wanted->scatter);
+    float rows[STY_PARAM_ROWS][4];
+    StyStyle again;
+    sty_encode_style(&found, rows);
+    assert_int_equal(sty_decode_style((const float(*)[4])rows, 9, &again), STY_RUNTIME_OK);
+    assert_true(again.threshold == found.threshold && again.scatter == found.scatter && again.scale == found.scale);
   }
   static const int numbers[] = {0, -1, INT32_MIN, STY_MAX_STYLES + 1, INT32_MAX};
   for (int i = 0; i < 5; i++)
@@ -379,6 +456,7 @@ int main(void) {
                                      cmocka_unit_test(test_orientation),
                                      cmocka_unit_test(test_files_that_do_not_belong),
                                      cmocka_unit_test(test_parameters),
+                                     cmocka_unit_test(test_layers_that_are_not_there),
                                      cmocka_unit_test(test_styles),
                                      cmocka_unit_test(test_bad_arguments),
                                      cmocka_unit_test(test_descriptions)};

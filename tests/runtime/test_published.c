@@ -71,7 +71,13 @@ static void make_bundle(const char *path, const uint8_t *exemplar, const uint8_t
     jitter[2 * i + 1] = jitter_rgba[4 * i + 1];
   }
   const StyBundleShape shape = {SOURCE, SOURCE, TABLE, 1};
-  const StyStyle style = {.threshold = THRESHOLD, .top_level = TOP_LEVEL, .radius = 1, .flags = STY_FLAG_UNORM8};
+  const StyStyle style = {.threshold = THRESHOLD,
+                          .top_level = TOP_LEVEL,
+                          .radius = 1,
+                          .layer_count = 1,
+                          .jitter_amount = 1,
+                          .scale = 1,
+                          .flags = STY_FLAG_UNORM8};
   StyBundleWriter *writer = NULL;
   StyError error;
   if (sty_open_bundle_writer(path, &shape, &writer, &error)) fail_msg("%s", error.text);

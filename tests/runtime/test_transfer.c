@@ -49,8 +49,8 @@ static Pair find_seed(const uint8_t *jitter, int x, int y, int h) {
 
 static StyMatch expect_match(const Fixture *fixture, const StyFrame *frame, int x, int y) {
   const int style = ask_style(fixture, frame, x, y);
-  if (!style) return (StyMatch){STY_NO_SOURCE, STY_NO_SOURCE, STY_LEVEL_NONE};
-  const uint8_t *jitter = fixture->texels[STY_BUNDLE_JITTER] + 2 * 256 * 256 * (frame->jitter_frame % fixture->jitters);
+  if (!style) return (StyMatch){.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
+  const uint8_t *jitter = fixture->texels[STY_BUNDLE_JITTER] + 2 * 256 * 256 * (frame->number % fixture->jitters);
   for (int level = fixture->style[style].top_level; level >= 0; level--) {
     const Pair seed = find_seed(jitter, x, y, 1 << level);
     if (seed.x < 0 || seed.y < 0 || seed.x >= frame->width || seed.y >= frame->height) continue;
@@ -62,15 +62,19 @@ static StyMatch expect_match(const Fixture *fixture, const StyFrame *frame, int 
     const uint8_t *target = frame->guide + 4 * (y * frame->width + x);
     const int error = abs(source[0] - target[0]) + abs(source[1] - target[1]) + abs(source[2] - target[2]);
     if (error < fixture->style[style].threshold)
-      return (StyMatch){(uint16_t)candidate.x, (uint16_t)candidate.y, (uint8_t)level};
+      return (StyMatch){.x = (uint16_t)candidate.x,
+                        .y = (uint16_t)candidate.y,
+                        .level = (uint8_t)level,
+                        .style = (uint8_t)(style - 1)};
   }
   const Pair own = look_up(fixture, style, frame, x, y);
-  return (StyMatch){(uint16_t)own.x, (uint16_t)own.y, STY_LEVEL_FALLBACK};
+  return (StyMatch){
+      .x = (uint16_t)own.x, .y = (uint16_t)own.y, .level = STY_LEVEL_FALLBACK, .style = (uint8_t)(style - 1)};
 }
 
-static bool is_same(StyMatch a, StyMatch b) { return a.x == b.x && a.y == b.y && a.level == b.level; }
+static bool is_same(StyMatch a, StyMatch b) { return memcmp(&a, &b, sizeof a) == 0; }
 
-static const StyMatch untouched = {12345, 54321, 77};
+static const StyMatch untouched = {12345, 54321, 77, 78, 79, 80};
 
 /* Matches of one rectangle on an untouched field, in a block of exactly the frame's size. */
 static StyMatch *transfer_rect(const Fixture *fixture, const StyFrame *frame, StyRect rect) {
@@ -183,7 +187,7 @@ static void test_nothing_covered(void **state) {
   const StyFrame frame = draw_frame(&random, &how, fixture, 37, 23);
   for (int i = 0; i < 37 * 23; i++) ((uint8_t *)frame.guide)[4 * i + 3] = 0;
   StyMatch *matches = transfer_rect(fixture, &frame, get_all(&frame));
-  const StyMatch none = {STY_NO_SOURCE, STY_NO_SOURCE, STY_LEVEL_NONE};
+  const StyMatch none = {.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
   for (int i = 0; i < 37 * 23; i++) assert_true(is_same(matches[i], none));
   free(matches);
   destroy_frame(&frame);
@@ -256,7 +260,7 @@ static void test_sphere_after_itself(void **state) {
     const StyStyle style = {.threshold = threshold, .top_level = 6, .flags = STY_FLAG_UNORM8};
     write_style(fixture, 1, &style);
     open_fixture(fixture);
-    const StyFrame frame = {.width = side, .height = side, .guide = guide, .style = 1, .jitter_frame = 1};
+    const StyFrame frame = {.width = side, .height = side, .guide = guide, .style = 1, .number = 1};
     StyMatch *matches = transfer_rect(fixture, &frame, get_all(&frame));
     for (int i = 0; i < side * side; i++) {
       assert_int_equal(matches[i].x, guide[4 * i + 3] ? i % side : (int)STY_NO_SOURCE);
@@ -286,7 +290,7 @@ static void test_bad_arguments(void **state) {
   frames[5].guide = NULL;
   frames[6].style = 0;
   frames[7].style = 3;
-  frames[8].jitter_frame = -1;
+  frames[8].number = -1;
   for (int i = 0; i < 9; i++)
     assert_int_equal(sty_transfer_frame(&fixture->bundle, &frames[i], (StyRect){0, 0, 0, 0}, matches),
                      STY_RUNTIME_BAD_ARGUMENT);

@@ -1,0 +1,72 @@
+#include "view.h"
+
+/* ---- half resolution: from matches of half a frame to those of the whole ---- */
+
+typedef struct Expansion {
+  const StyFrame *half, *frame;
+  const StyMatch *half_matches;
+  StyMatch *matches;
+} Expansion;
+
+static void expand_pixel(void *context, const Pixel *pixel) {
+  const Expansion *expansion = context;
+  StyMatch *match = &expansion->matches[pixel->index];
+  *match = no_match;
+  if (!pixel->source) return;
+  const Source *source = pixel->source;
+  const StyMatch *parent = &expansion->half_matches[get_pixel_index(expansion->half, pixel->x / 2, pixel->y / 2)];
+  const Point candidate = {parent->x + to_source(source, pixel->x % 2), parent->y + to_source(source, pixel->y % 2)};
+  if (parent->level != STY_LEVEL_NONE && parent->style == source->number && parent->layer < source->style.layer_count &&
+      sty_accepts(source, expansion->frame, pixel->index, candidate, parent->layer))
+    *match = (StyMatch){.x = (uint16_t)candidate.x,
+                        .y = (uint16_t)candidate.y,
+                        .level = parent->level,
+                        .layer = parent->layer,
+                        .style = parent->style};
+  else
+    *match = sty_fall_back(source, expansion->frame, pixel->index);
+}
+
+StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,
+                                    const StyFrame *frame, StyRect rect, StyMatch *matches) {
+  if (!half || !half_matches || !matches || !is_frame_valid(bundle, frame, rect)) return STY_RUNTIME_BAD_ARGUMENT;
+  if (half->width != (frame->width + 1) / 2 || half->height != (frame->height + 1) / 2 ||
+      half->resolution != frame->resolution - 1)
+    return STY_RUNTIME_BAD_ARGUMENT;
+  return sty_visit_pixels(bundle, frame, rect, expand_pixel, &(Expansion){half, frame, half_matches, matches});
+}
+
+/* ---- double resolution: from a picture of twice the size to its own ---- */
+
+static uint32_t read_component(const void *picture, int bits, size_t i) {
+  return bits == 8 ? ((const uint8_t *)picture)[i] : ((const uint16_t *)picture)[i];
+}
+
+static void write_component(void *picture, int bits, size_t i, uint64_t value) {
+  if (bits == 8)
+    ((uint8_t *)picture)[i] = (uint8_t)value;
+  else
+    ((uint16_t *)picture)[i] = (uint16_t)value;
+}
+
+StyRuntimeStatus sty_halve_picture(int width, int height, int bits, const void *picture, StyRect rect, void *out) {
+  if (!picture || !out || (bits != 8 && bits != 16) || !is_size_valid(width, height) ||
+      !is_rect_inside(rect, width, height))
+    return STY_RUNTIME_BAD_ARGUMENT;
+  for (int y = rect.y0; y < rect.y1; y++)
+    for (int x = rect.x0; x < rect.x1; x++) {
+      uint64_t colour[3] = {0, 0, 0}, alpha = 0;
+      for (int i = 0; i < 4; i++) {
+        const size_t from = ((size_t)(2 * y + i / 2) * 2 * (size_t)width + (size_t)(2 * x + i % 2)) * 4;
+        const uint64_t weight = read_component(picture, bits, from + 3);
+        for (size_t channel = 0; channel < 3; channel++)
+          colour[channel] += weight * read_component(picture, bits, from + channel);
+        alpha += weight;
+      }
+      const size_t to = ((size_t)y * (size_t)width + (size_t)x) * 4;
+      for (size_t channel = 0; channel < 3; channel++)
+        write_component(out, bits, to + channel, alpha ? (colour[channel] + alpha / 2) / alpha : 0);
+      write_component(out, bits, to + 3, (alpha + 2) / 4);
+    }
+  return STY_RUNTIME_OK;
+}
