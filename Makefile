@@ -121,6 +121,8 @@ $(BUILD)/src/runtime/%.c.o: src/runtime/%.c Makefile $(STAMP)
 ifeq ($(shell uname -m),x86_64)
 $(BUILD)/%_avx2.c.o: CFLAGS_ALL += -mavx2
 $(BUILD)/%_avx512.c.o: CFLAGS_ALL += -mavx512f -mavx512bw -mavx512dq -mavx512vl
+$(BUILD)/src/runtime/%_avx2.c.o: RUNTIME_CFLAGS += -mavx2
+$(BUILD)/src/runtime/%_avx512.c.o: RUNTIME_CFLAGS += -mavx512f -mavx512bw -mavx512dq -mavx512vl
 endif
 
 $(BUILD)/%.c.o: %.c Makefile $(STAMP)

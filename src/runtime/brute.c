@@ -1,4 +1,4 @@
-#include "view.h"
+#include "matching.h"
 
 typedef struct Brute {
   const StyBundle *bundle;
@@ -9,8 +9,8 @@ typedef struct Brute {
 /* Copies what fits of the source, u* laid on p, onto what is still empty. */
 static void copy_chunk(const Brute *brute, const Source *source, const Pixel *p) {
   const StyFrame *frame = brute->frame;
-  const Point star = sty_look_up(source, frame, p->index);
-  const int lighting = sty_choose_lighting(source, frame, p->index);
+  const Point star = look_up(source, frame, p->index);
+  const int lighting = choose_lighting(source, frame, p->index);
   for (int source_y = 0; source_y < source->height; source_y++)
     for (int source_x = 0; source_x < source->width; source_x++) {
       const int x = p->x + source_x - star.x, y = p->y + source_y - star.y;
@@ -18,7 +18,7 @@ static void copy_chunk(const Brute *brute, const Source *source, const Pixel *p)
       const size_t index = get_pixel_index(frame, x, y);
       StyMatch *match = &brute->matches[index];
       if (match->level == STY_LEVEL_NONE && get_pixel_style(brute->bundle, frame, index) == source->number + 1 &&
-          sty_accepts(source, frame, index, (Point){source_x, source_y}, lighting))
+          accepts(source, frame, index, (Point){source_x, source_y}, lighting))
         *match = (StyMatch){
             .x = (uint16_t)source_x, .y = (uint16_t)source_y, .layer = (uint8_t)lighting, .style = source->number};
     }
@@ -33,7 +33,7 @@ static void fill_pixel(void *context, const Pixel *pixel) {
   StyMatch *match = &brute->matches[pixel->index];
   if (!pixel->source || match->level != STY_LEVEL_NONE) return;
   copy_chunk(brute, pixel->source, pixel);
-  if (match->level == STY_LEVEL_NONE) *match = sty_fall_back(pixel->source, brute->frame, pixel->index);
+  if (match->level == STY_LEVEL_NONE) *match = fall_back(pixel->source, brute->frame, pixel->index);
 }
 
 StyRuntimeStatus sty_transfer_brute(const StyBundle *bundle, const StyFrame *frame, StyMatch *matches) {

@@ -1,4 +1,4 @@
-#include "view.h"
+#include "matching.h"
 
 typedef struct LookUp {
   const StyFrame *frame;
@@ -7,8 +7,7 @@ typedef struct LookUp {
 
 static void look_up_pixel(void *context, const Pixel *pixel) {
   const LookUp *look_up = context;
-  look_up->matches[pixel->index] =
-      pixel->source ? sty_fall_back(pixel->source, look_up->frame, pixel->index) : no_match;
+  look_up->matches[pixel->index] = pixel->source ? fall_back(pixel->source, look_up->frame, pixel->index) : no_match;
 }
 
 StyRuntimeStatus sty_look_up_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches) {

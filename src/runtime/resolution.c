@@ -1,4 +1,4 @@
-#include "view.h"
+#include "matching.h"
 
 /* ---- half resolution: from matches of half a frame to those of the whole ---- */
 
@@ -17,14 +17,14 @@ static void expand_pixel(void *context, const Pixel *pixel) {
   const StyMatch *parent = &expansion->half_matches[get_pixel_index(expansion->half, pixel->x / 2, pixel->y / 2)];
   const Point candidate = {parent->x + to_source(source, pixel->x % 2), parent->y + to_source(source, pixel->y % 2)};
   if (parent->level != STY_LEVEL_NONE && parent->style == source->number && parent->layer < source->style.layer_count &&
-      sty_accepts(source, expansion->frame, pixel->index, candidate, parent->layer))
+      accepts(source, expansion->frame, pixel->index, candidate, parent->layer))
     *match = (StyMatch){.x = (uint16_t)candidate.x,
                         .y = (uint16_t)candidate.y,
                         .level = parent->level,
                         .layer = parent->layer,
                         .style = parent->style};
   else
-    *match = sty_fall_back(source, expansion->frame, pixel->index);
+    *match = fall_back(source, expansion->frame, pixel->index);
 }
 
 StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,

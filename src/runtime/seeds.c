@@ -1,30 +1,6 @@
-#include "view.h"
+#include <string.h>
 
-/* floor(h * (b + amount * jitter)): h*b is whole, so only the jitter is rounded. */
-static Point place_seed(const unsigned char *jitter, int amount, int cell_x, int cell_y, int h) {
-  const size_t column = (unsigned)cell_x % STY_JITTER_SIZE, row = (unsigned)cell_y % STY_JITTER_SIZE;
-  const unsigned char *j = jitter + (row * STY_JITTER_SIZE + column) * 2;
-  const int reach = h * amount;
-  return (Point){h * cell_x + reach * j[0] / (255 * 255), h * cell_y + reach * j[1] / (255 * 255)};
-}
-
-/* The order of the loops and the strict comparison decide between seeds that
- * are equally near. */
-Point sty_find_seed(const unsigned char *jitter, int amount, Point p, int level) {
-  const int cell_x = shift_down(p.x, level), cell_y = shift_down(p.y, level);
-  Point nearest = {0, 0};
-  int least = INT32_MAX;
-  for (int dx = -1; dx <= 1; dx++)
-    for (int dy = -1; dy <= 1; dy++) {
-      const Point seed = place_seed(jitter, amount, cell_x + dx, cell_y + dy, 1 << level);
-      const int distance = (seed.x - p.x) * (seed.x - p.x) + (seed.y - p.y) * (seed.y - p.y);
-      if (distance < least) {
-        least = distance;
-        nearest = seed;
-      }
-    }
-  return nearest;
-}
+#include "runs.h"
 
 size_t sty_get_seeds_size(StyRect area) {
   const int most = STY_MAX_ANCHOR + STY_MAX_FRAME_SIDE;
@@ -51,18 +27,47 @@ static bool are_seeds_valid(const StyBundle *bundle, const StySeeds *seeds, int 
   return seeds->table >= 0 && (uint32_t)seeds->table < bundle->textures[STY_BUNDLE_JITTER].layers;
 }
 
+static void find_row(const unsigned char *jitter, int amount, Point p, int count, int level, StySeedOffset *out) {
+  for (int k = 0; k < count; k++) {
+    const Point seed = find_seed(jitter, amount, (Point){p.x + k, p.y}, level);
+    out[k] = (StySeedOffset){(int8_t)(seed.x - p.x - k), (int8_t)(seed.y - p.y)};
+  }
+}
+
+static void find_row_by(StyRuntimePath path, const unsigned char *jitter, int amount, Point p, int count, int level,
+                        StySeedOffset *out) {
+  switch (path) {
+    case STY_PATH_PORTABLE: sty_fill_seeds_portable(jitter, amount, p, count, level, out); break;
+    case STY_PATH_AVX2: sty_fill_seeds_avx2(jitter, amount, p, count, level, out); break;
+    case STY_PATH_AVX512: sty_fill_seeds_avx512(jitter, amount, p, count, level, out); break;
+    default: find_row(jitter, amount, p, count, level, out);
+  }
+}
+
+/* The table repeats every 256 cells, so low levels are mostly copies. `row` is that of y, y0 the first to be filled. */
+static void fill_row(StyRuntimePath path, const unsigned char *jitter, const StySeeds *seeds, int level, int y, int y0,
+                     StySeedOffset *row) {
+  const int width = seeds->area.x1 - seeds->area.x0;
+  const int period = path == STY_PATH_REFERENCE ? INT32_MAX : STY_JITTER_SIZE << level;
+  if (y - y0 >= period) {
+    memcpy(row, row - (size_t)period * (size_t)width, sizeof *row * (size_t)width);
+    return;
+  }
+  const int fresh = width < period ? width : period;
+  find_row_by(path, jitter, seeds->amount, (Point){seeds->area.x0, y}, fresh, level, row);
+  for (int k = fresh; k < width; k += fresh)
+    memcpy(row + k, row, sizeof *row * (size_t)(width - k < fresh ? width - k : fresh));
+}
+
 StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, int y0, int y1, StyRuntimePath path) {
   if (!are_seeds_valid(bundle, seeds, y0, y1) || !sty_has_path(path)) return STY_RUNTIME_BAD_ARGUMENT;
   const unsigned char *jitter = get_layer(&bundle->textures[STY_BUNDLE_JITTER], (size_t)seeds->table);
   const StyRect area = seeds->area;
   const size_t width = (size_t)(area.x1 - area.x0), height = (size_t)(area.y1 - area.y0);
+  const StyRuntimePath chosen = sty_choose_path(path);
   for (int level = 1; level <= STY_SEED_LEVELS; level++)
-    for (int y = y0; y < y1; y++) {
-      StySeedOffset *row = seeds->offsets + ((size_t)(level - 1) * height + (size_t)(y - area.y0)) * width;
-      for (int x = area.x0; x < area.x1; x++) {
-        const Point seed = sty_find_seed(jitter, seeds->amount, (Point){x, y}, level);
-        row[x - area.x0] = (StySeedOffset){(int8_t)(seed.x - x), (int8_t)(seed.y - y)};
-      }
-    }
+    for (int y = y0; y < y1; y++)
+      fill_row(chosen, jitter, seeds, level, y, y0,
+               seeds->offsets + ((size_t)(level - 1) * height + (size_t)(y - area.y0)) * width);
   return STY_RUNTIME_OK;
 }

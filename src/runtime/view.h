@@ -149,23 +149,6 @@ typedef void VisitPixel(void *context, const Pixel *pixel);
 StyRuntimeStatus sty_visit_pixels(const StyBundle *bundle, const StyFrame *frame, StyRect rect, VisitPixel *visit,
                                   void *context);
 
-/* The seed nearest to p, both in the grid's coordinates. */
-Point sty_find_seed(const unsigned char *jitter, int amount, Point p, int level);
-
-/* ---- matching a pixel, shared by the transfers ---- */
-
 static const StyMatch no_match = {STY_NO_SOURCE, STY_NO_SOURCE, STY_LEVEL_NONE, 0, 0, 0};
-
-/* LUT(guide at a frame's pixel). */
-Point sty_look_up(const Source *source, const StyFrame *frame, size_t index);
-
-/* The lighting nearest to a pixel's luminance. */
-int sty_choose_lighting(const Source *source, const StyFrame *frame, size_t index);
-
-/* Whether a pixel takes the source pixel (x, y) in this lighting. */
-bool sty_accepts(const Source *source, const StyFrame *frame, size_t index, Point candidate, int lighting);
-
-/* LUT(guide at p) in the lighting nearest to p. */
-StyMatch sty_fall_back(const Source *source, const StyFrame *frame, size_t index);
 
 #endif

@@ -1,0 +1,155 @@
+/* Eight pixels at a time. Compiled with the flags for this unit, for processors that may have it. */
+#ifdef __AVX2__
+
+#include <immintrin.h>
+
+#include "voters.h"
+
+enum { LANES = 8 };
+
+/* All ones in the lanes whose bits are set. */
+static __m256i spread_bits(unsigned bits) {
+  const __m256i lanes = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  return _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32((int)bits), lanes), lanes);
+}
+
+static unsigned gather_bits(__m256i lanes) { return (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(lanes)); }
+
+/* The lowest lanes, all eight where `count` has them. */
+static unsigned get_lanes(int count) { return count < LANES ? (1u << count) - 1 : 0xFF; }
+
+static __m256i count_up(int from) {
+  return _mm256_add_epi32(_mm256_set1_epi32(from), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+}
+
+static __m256i load_lanes(const void *from, unsigned lanes) { return _mm256_maskload_epi32(from, spread_bits(lanes)); }
+
+static unsigned test_coverage(__m256i texels) {
+  const __m256i alpha = _mm256_srli_epi32(texels, 24);
+  return gather_bits(_mm256_cmpgt_epi32(alpha, _mm256_setzero_si256()));
+}
+
+static int count_alike(const uint8_t *guide, int most) {
+  const unsigned wanted = guide[3] > 0 ? 0xFF : 0;
+  for (int k = 0; k < most; k += LANES) {
+    const unsigned lanes = get_lanes(most - k);
+    const unsigned same = lanes & ~(test_coverage(load_lanes(guide + 4 * (size_t)k, lanes)) ^ wanted);
+    if (same != 0xFF) return k + __builtin_ctz(~same);
+  }
+  return most;
+}
+
+static int measure_segment(const NearSeed *seeds, int count) {
+  int32_t seed;
+  memcpy(&seed, seeds, sizeof seed);
+  for (int k = 0; k < count; k += LANES) {
+    const unsigned lanes = get_lanes(count - k);
+    const __m256i same = _mm256_cmpeq_epi32(load_lanes(seeds + k, lanes), _mm256_set1_epi32(seed));
+    const unsigned bits = lanes & gather_bits(same);
+    if (bits != 0xFF) return k + __builtin_ctz(~bits);
+  }
+  return count;
+}
+
+/* Sum over x, y, z of absolute differences. */
+static __m256i sum_differences(__m256i a, __m256i b) {
+  const __m256i difference =
+      _mm256_and_si256(_mm256_sub_epi8(_mm256_max_epu8(a, b), _mm256_min_epu8(a, b)), _mm256_set1_epi32(0xFFFFFF));
+  return _mm256_madd_epi16(_mm256_maddubs_epi16(difference, _mm256_set1_epi8(1)), _mm256_set1_epi16(1));
+}
+
+/* Eight luminances; what lies behind the frame's last isn't read. */
+static __m256i load_lumas(const StyFrame *frame, size_t index) {
+  const size_t size = (size_t)frame->width * (size_t)frame->height;
+  const size_t start = index + LANES <= size ? index : size - LANES;
+  uint64_t bytes;
+  memcpy(&bytes, frame->luma + start, sizeof bytes);
+  return _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)(bytes >> 8 * (index - start))));
+}
+
+static unsigned get_waiting(const Waiting *waiting, int k) {
+  const uint64_t *words = waiting->words + k / WORD;
+  const int shift = k % WORD;
+  return (unsigned)(words[0] >> shift | words[1] << 1 << (WORD - 1 - shift)) & 0xFF;
+}
+
+static void serve(const Run *run, const Segment *segment, int k, unsigned lanes, int x, int y, Waiting *waiting) {
+  for (; lanes; lanes &= lanes - 1) {
+    const int i = __builtin_ctz(lanes);
+    run->matches[k + i] = (StyMatch){.x = (uint16_t)(x + i),
+                                     .y = (uint16_t)y,
+                                     .level = (uint8_t)segment->level,
+                                     .layer = (uint8_t)segment->proposal.lighting,
+                                     .style = run->source->number};
+    waiting->words[(k + i) / WORD] &= ~((uint64_t)1 << (k + i) % WORD);
+  }
+}
+
+static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting) {
+  const Source *source = run->source;
+  const StyFrame *frame = run->frame;
+  const Proposal *proposal = &segment->proposal;
+  if (source->spread != 0 || (frame->luma && (size_t)frame->width * (size_t)frame->height < LANES)) {
+    try_pixels_singly(run, segment, waiting);
+    return;
+  }
+  const int y = proposal->found.y - segment->seed.y, x0 = proposal->found.x - segment->seed.x;
+  if (y < 0 || y >= source->height) return;
+  const int begin = segment->a > -x0 ? segment->a : -x0;
+  const int end = segment->b < source->width - x0 ? segment->b : source->width - x0;
+  const unsigned char *row = source->guide + (size_t)y * (size_t)source->width * 4;
+  for (int k = begin; k < end; k += LANES) {
+    const unsigned lanes = get_lanes(end - k) & get_waiting(waiting, k);
+    if (lanes == 0) continue;
+    const __m256i texels = load_lanes(row + 4 * (x0 + k), get_lanes(end - k));
+    const __m256i own = load_lanes(frame->guide + 4 * (run->first + (size_t)k), get_lanes(end - k));
+    __m256i error = _mm256_slli_epi32(sum_differences(texels, own), 8);
+    if (frame->luma) {
+      const __m256i lighting = _mm256_set1_epi32(source->luma[proposal->lighting]);
+      const __m256i difference =
+          _mm256_abs_epi32(_mm256_sub_epi32(load_lumas(frame, run->first + (size_t)k), lighting));
+      error = _mm256_add_epi32(error, _mm256_mullo_epi32(difference, _mm256_set1_epi32(source->luma_weight)));
+    }
+    const unsigned low = gather_bits(_mm256_cmpgt_epi32(_mm256_set1_epi32(source->threshold), error));
+    serve(run, segment, k, lanes & low & test_coverage(texels), x0 + k, y, waiting);
+  }
+}
+
+/* Products by pairs of 16 bits: slope and place fit them. The ninth candidate is beyond a register's eight. */
+static void choose_seeds(const Candidates *candidates, int k0, int k1, NearSeed *out) {
+  const __m256i places = _mm256_loadu_si256((const void *)candidates->places);
+  int32_t last;
+  memcpy(&last, candidates->places + 8, sizeof last);
+  for (int k = k0; k < k1; k += LANES) {
+    const __m256i at = count_up(k);
+    __m256i least = _mm256_set1_epi32(INT32_MAX);
+    for (int i = 0; i < 9; i++) {
+      const __m256i product = _mm256_madd_epi16(at, _mm256_set1_epi32(candidates->slope[i] & 0xFFFF));
+      least = _mm256_min_epi32(least, _mm256_add_epi32(product, _mm256_set1_epi32(candidates->base[i])));
+    }
+    const __m256i number = _mm256_and_si256(least, _mm256_set1_epi32(15));
+    const __m256i is_last = _mm256_cmpeq_epi32(number, _mm256_set1_epi32(8));
+    const __m256i chosen =
+        _mm256_blendv_epi8(_mm256_permutevar8x32_epi32(places, number), _mm256_set1_epi32(last), is_last);
+    _mm256_maskstore_epi32((int *)(void *)(out + k), spread_bits(get_lanes(k1 - k)), chosen);
+  }
+}
+
+#include "runs_plain.h"
+
+static void compare_voters(const Voter *a, const Voter *b, uint64_t bits[COLUMN_WORDS]) {
+  for (int word = 0; word < COLUMN_WORDS; word++) {
+    bits[word] = 0;
+    for (int k = 0; k < WORD; k += 4) {
+      const __m256i same = _mm256_cmpeq_epi64(_mm256_loadu_si256((const void *)(a + word * WORD + k)),
+                                              _mm256_loadu_si256((const void *)(b + word * WORD + k)));
+      bits[word] |= (uint64_t)(unsigned)_mm256_movemask_pd(_mm256_castsi256_pd(same)) << k;
+    }
+  }
+}
+
+#define UNIT(name) sty_##name##_avx2
+#include "blend_body.h"
+#include "runs_body.h"
+
+#endif
