@@ -61,7 +61,9 @@ typedef struct StyBundle {
  * NULL, *culprit is the index of the file at fault. */
 StyRuntimeStatus sty_open_bundle(const StyBlob files[STY_BUNDLE_FILES], StyBundle *out, int *culprit);
 
-/* The parameters of one style, as the parameter texture has them. */
+/* The parameters of one style, as the parameter texture has them. Fractions decide as integers, rounded half up: luma
+ * and jitter_amount in 255ths, luma_weight and colour_weight in 256ths; the product is a float (0.7f * 255 = 178.5 is
+ * 179), so that graphics processors agree. */
 typedef struct StyStyle {
   int threshold;                 /* sum of absolute byte differences; accepted when below; 0..STY_MAX_THRESHOLD */
   int top_level;                 /* 0..STY_MAX_LEVEL */
@@ -124,7 +126,8 @@ typedef struct StyFrame {
                               most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all */
   int anchor_count;        /* object ids that have one: 0 .. anchor_count-1; the others' is 0, 0 */
   int number;              /* of the frame in its sequence, 0 and up: chooses the jitter table */
-  const StySeeds *seeds;   /* seeds worked out before (see sty_plan_seeds), to save time; NULL: none */
+  const StySeeds *seeds;   /* seeds_count of them worked out before (see sty_plan_seeds), to save time: they change
+                              nothing, those that don't fit are left alone; NULL: none */
   int seeds_count;
   StyRuntimePath path;
 } StyFrame;
@@ -160,7 +163,7 @@ typedef struct StySeedOffset {
   int8_t x, y; /* seed - pixel */
 } StySeedOffset;
 struct StySeeds {
-  StyRect area;           /* pixels less anchor that it answers for; any integers within STY_MAX_ANCHOR */
+  StyRect area;           /* pixels less anchor that it answers for, any within STY_MAX_ANCHOR + STY_MAX_FRAME_SIDE */
   int table, amount;      /* layer of the jitter texture, 255ths */
   StySeedOffset *offsets; /* levels 1..STY_SEED_LEVELS, each an area, row after row */
 };
@@ -206,7 +209,8 @@ StyRuntimeStatus sty_transfer_brute(const StyBundle *bundle, const StyFrame *fra
 
 /* Transfer at half resolution, second step: `half` is a frame of the pixels (2x, 2y) of `frame`, (width+1)/2 by
  * (height+1)/2 with resolution one less, `half_matches` its matches (needed around rect/2). Pixel (x, y) moves on from
- * the match of (x/2, y/2) by (x%2, y%2) / S where that is of its style and is accepted as above; else it falls back. */
+ * the match of (x/2, y/2) by (x%2, y%2) / S where that is of its style and is accepted as above, and keeps
+ * its level and lighting; else it falls back. */
 StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,
                                     const StyFrame *frame, StyRect rect, StyMatch *matches);
 
@@ -214,7 +218,7 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
 
 /* Blend: writes RGBA inside `rect` of `out` (width*height*4 of the frame), as
  * uint8_t for bits == 8 and uint16_t for bits == 16. A pixel is the mean of its
- * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] in the neighbour's lighting, over neighbours of the
+ * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] (o / S rounded down) in the neighbour's lighting, over neighbours of the
  * same style; a vote is dropped when it leaves the source or its mask, when
  * the depth there differs by more than the tolerance (equal infinities agree,
  * NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1), or, with STY_FLAG_OBJECTS, when the object is
@@ -224,7 +228,7 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
  * straight, not premultiplied, and rounded once, half up.
  *
  * With STY_FLAG_BASE (thesis 000, 2.2.3) votes give exemplar - base, and the pixel's own base, at LUT(guide at p) in
- * the lighting nearest to p, is added to their mean, before all is clamped and rounded. Colour (3.3.2): the colour is
+ * the lighting nearest to p, is added to their mean and the sum clamped. Colour (3.3.2): the colour is then
  * multiplied by 1 - w + w * albedo, w = colour_weight rounded to 256ths; products of encoded values are close to those
  * of light, encoded.
  *

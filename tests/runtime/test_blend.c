@@ -59,8 +59,6 @@ static unsigned get_component(const void *picture, int bits, int i) {
   return bits == 8 ? ((const uint8_t *)picture)[i] : ((const uint16_t *)picture)[i];
 }
 
-static StyRect get_all(const StyFrame *frame) { return (StyRect){0, 0, frame->width, frame->height}; }
-
 static void expect_picture(const Fixture *fixture, const StyFrame *frame, StyRect rect, const StyMatch *matches,
                            int bits, const void *picture) {
   for (int y = 0; y < frame->height; y++)
