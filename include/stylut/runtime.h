@@ -222,7 +222,7 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
  * same style; a vote is dropped when it leaves the source or its mask, when
  * the depth there differs by more than the tolerance (equal infinities agree,
  * NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1), or, with STY_FLAG_OBJECTS, when the object is
- * another. Where no vote is left, the exemplar at match(p) stands alone. The mean is that of the stored bytes, as in
+ * another. Where no vote is left, that of match(p) itself stands alone. The mean is that of the stored bytes, as in
  * the published method, not of linear light. Colours weigh by the
  * exemplar's alpha; alpha is the mean alpha times the frame's coverage; both are
  * straight, not premultiplied, and rounded once, half up.

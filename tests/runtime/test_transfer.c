@@ -1,5 +1,6 @@
 /* sty_transfer_frame against the formula of runtime.h, written out literally. */
 #include "oracle.h"
+#include "sphere.h"
 
 /* Matches of one rectangle on an untouched field, in a block of exactly the frame's size. */
 static StyMatch *transfer_rect(const Fixture *fixture, const StyFrame *frame, StyRect rect) {
@@ -186,47 +187,13 @@ static void test_threshold_is_strict(void **state) {
   }
 }
 
-/* A LUT whose texel for bytes (i, 255-j) holds the covered pixel at the least distance, lowest first among equals. */
-static void search_by_force(Fixture *fixture, int side, const uint8_t *guide) {
-  static int columns[128 * 128], rows[128 * 128];
-  uint32_t pixels[128 * 128], count = 0;
-  for (int i = 0; i < side * side; i++) {
-    if (!guide[4 * i + 3]) continue;
-    columns[count] = guide[4 * i];
-    rows[count] = 255 - guide[4 * i + 1];
-    pixels[count++] = (uint32_t)i;
-  }
-  for (int j = 0; j < 256; j++)
-    for (int i = 0; i < 256; i++) {
-      uint32_t least = UINT32_MAX; /* distance in the high bits, number in the low 14 */
-      for (uint32_t k = 0; k < count; k++) {
-        const int dx = columns[k] - i, dy = rows[k] - j;
-        const uint32_t key = (uint32_t)(dx * dx + dy * dy) << 14 | k;
-        least = key < least ? key : least;
-      }
-      const uint32_t best = pixels[least & 0x3FFF];
-      const double u = (best % (uint32_t)side + 0.5) / side, v = (best / (uint32_t)side + 0.5) / side;
-      put32(fixture->texels[STY_BUNDLE_LUTS] + 4 * (256 * j + i),
-            (uint32_t)floor(u * 65535 + 0.5) | (uint32_t)floor(v * 65535 + 0.5) << 16);
-    }
-}
-
 /* A sphere styled after itself: every level offers each covered pixel itself, and so does the fallback. */
 static void test_sphere_after_itself(void **state) {
   (void)state;
   const int side = CASES(128, 48);
   uint64_t random = 5;
-  Fixture *fixture = make_fixture(side, side, 256, 1, 1, 2);
-  uint8_t *guide = fixture->texels[STY_BUNDLE_GUIDES];
-  for (int i = 0; i < side * side; i++) {
-    const double x = (i % side + 0.5) / side * 2 - 1, y = 1 - (i / side + 0.5) / side * 2, square = 1 - x * x - y * y;
-    if (square < 0) continue;
-    const double n[3] = {x, y, sqrt(square)};
-    for (int c = 0; c < 3; c++) guide[4 * i + c] = (uint8_t)floor(n[c] * 127.5 + 128);
-    guide[4 * i + 3] = 255;
-  }
-  fill_random(&random, fixture->texels[STY_BUNDLE_JITTER], count_texel_bytes(fixture, STY_BUNDLE_JITTER));
-  search_by_force(fixture, side, guide);
+  Fixture *fixture = make_sphere(&random, side, 1);
+  const uint8_t *guide = fixture->texels[STY_BUNDLE_GUIDES];
   for (int threshold = 0; threshold <= 24; threshold += 24) {
     const StyStyle style = {.threshold = threshold, .top_level = 6, .flags = STY_FLAG_UNORM8};
     write_style(fixture, 1, &style);
