@@ -123,7 +123,9 @@ typedef struct StyFrame {
                               (always the first, no luminance error) */
   const uint8_t *albedo;   /* 4 a pixel: R G B encoded as the exemplar's (sRGB), the fourth isn't read; NULL: white */
   const int32_t *anchors;  /* 2 an object id (x, y): where the object's seed grid begins, pixels of this frame, at
-                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all */
+                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all. An object that moves by
+                              whole pixels with its anchor keeps its matches, save near the frame's edges, where it
+                              loses seeds */
   int anchor_count;        /* object ids that have one: 0 .. anchor_count-1; the others' is 0, 0 */
   int number;              /* of the frame in its sequence, 0 and up: chooses the jitter table */
   const StySeeds *seeds;   /* seeds_count of them worked out before (see sty_plan_seeds), to save time: they change
@@ -191,7 +193,8 @@ StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, 
  * inside the source, in the lighting nearest to p.
  *
  * scatter: a seed of level STY_SCATTER_LEVEL and up is flat when the guide h/2 to its left, right, above and below
- * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't). Its u*
+ * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't, nor,
+ * where there are anchors, another object's). Its u*
  * moves by floor((2*scatter + 1) * j / 256) - scatter, j = the jitter table's bytes (x, y) at ((seed - anchor + 128)
  * mod 256), unless that leaves the source or its mask. */
 StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches);

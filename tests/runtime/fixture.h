@@ -226,7 +226,7 @@ static inline int32_t *draw_anchors(uint64_t *random, int count) {
 }
 
 /* Random guide, and each of all that a frame may have besides in half of the frames. Full precision and depth are
- * multiples of powers of two, so that float arithmetic on them is exact. Objects are patches of 5 by 5 pixels; some
+ * multiples of powers of two, so that float arithmetic on them is exact. Objects are patches of 16 by 16 pixels; some
  * have no anchor where there are any. */
 static inline StyFrame draw_frame(uint64_t *random, const Guides *how, const Fixture *fixture, int width, int height) {
   static const float specials[] = {NAN, INFINITY, -INFINITY, 1.5f, -1.5f, 1, -1, 0};
@@ -249,7 +249,7 @@ static inline StyFrame draw_frame(uint64_t *random, const Guides *how, const Fix
   fill_random(random, albedo, 4 * pixels);
   const uint64_t patches = draw(random);
   for (size_t i = 0; i < pixels; i++) {
-    uint64_t patch = patches + i % (size_t)width / 5 * 1000003 + i / (size_t)width / 5;
+    uint64_t patch = patches + i % (size_t)width / 16 * 1000003 + i / (size_t)width / 16;
     objects[i] = (uint16_t)(draw_below(&patch, OBJECTS) ? draw_below(&patch, OBJECTS) : 65535);
   }
   StyFrame frame = {.width = width,

@@ -138,6 +138,7 @@ static inline bool is_flat(const StyFrame *frame, Pair seed, int h) {
   for (int i = 0; i < 4; i++) {
     const int x = seed.x + sides[i][0] * h / 2, y = seed.y + sides[i][1] * h / 2;
     if (!is_in_frame(frame, x, y)) continue;
+    if (frame->anchors && get_object(frame, x, y) != get_object(frame, seed.x, seed.y)) return false;
     const uint8_t *other = frame->guide + 4 * get_index(frame, x, y);
     if (other[3] == 0 || abs(own[0] - other[0]) + abs(own[1] - other[1]) + abs(own[2] - other[2]) > 2) return false;
   }
@@ -216,8 +217,8 @@ static inline void expect_same_match(const StyFrame *frame, int x, int y, StyMat
 }
 
 static inline Guides draw_guides(uint64_t *random) {
-  static const int spreads[] = {1, 4, 20, 100, 256}, holes[] = {0, 2, 10};
-  const int spread = spreads[draw_below(random, 5)];
+  static const int spreads[] = {1, 2, 4, 20, 100, 256}, holes[] = {0, 2, 10};
+  const int spread = spreads[draw_below(random, 6)];
   return (Guides){draw_below(random, 257 - spread), spread, holes[draw_below(random, 3)]};
 }
 
