@@ -30,6 +30,12 @@ typedef enum StyRuntimeStatus {
   STY_RUNTIME_BAD_PARAMETER, /* a style's parameters are out of range */
 } StyRuntimeStatus;
 
+/* The number of this interface. It grows by one whenever a structure, a constant or the meaning of a function here or
+ * in runtime_format.h changes, so that a program built before would err; new functions leave it. A program that loads
+ * the library when it starts compares both. */
+#define STY_RUNTIME_ABI 1
+int sty_get_runtime_abi(void);
+
 /* One line of English for a status; a static string. */
 const char *sty_describe_runtime_status(StyRuntimeStatus status);
 
@@ -123,8 +129,8 @@ typedef struct StyFrame {
                               (always the first, no luminance error) */
   const uint8_t *albedo;   /* 4 a pixel: R G B encoded as the exemplar's (sRGB), the fourth isn't read; NULL: white */
   const int32_t *anchors;  /* 2 an object id (x, y): where the object's seed grid begins, pixels of this frame, at
-                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all. An object that moves by
-                              whole pixels with its anchor keeps its matches, save near the frame's edges, where it
+                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all. An object that moves
+                              by  whole pixels with its anchor keeps its matches, save near the frame's edges, where it
                               loses seeds */
   int anchor_count;        /* object ids that have one: 0 .. anchor_count-1; the others' is 0, 0 */
   int number;              /* of the frame in its sequence, 0 and up: chooses the jitter table */
@@ -221,12 +227,11 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
 
 /* Blend: writes RGBA inside `rect` of `out` (width*height*4 of the frame), as
  * uint8_t for bits == 8 and uint16_t for bits == 16. A pixel is the mean of its
- * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] (o / S rounded down) in the neighbour's lighting, over neighbours of the
- * same style; a vote is dropped when it leaves the source or its mask, when
- * the depth there differs by more than the tolerance (equal infinities agree,
- * NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1), or, with STY_FLAG_OBJECTS, when the object is
- * another. Where no vote is left, that of match(p) itself stands alone. The mean is that of the stored bytes, as in
- * the published method, not of linear light. Colours weigh by the
+ * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] (o / S rounded down) in the neighbour's lighting, over
+ * neighbours of the same style; a vote is dropped when it leaves the source or its mask, when the depth there differs
+ * by more than the tolerance (equal infinities agree, NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1),
+ * or, with STY_FLAG_OBJECTS, when the object is another. Where no vote is left, that of match(p) itself stands alone.
+ * The mean is that of the stored bytes, as in the published method, not of linear light. Colours weigh by the
  * exemplar's alpha; alpha is the mean alpha times the frame's coverage; both are
  * straight, not premultiplied, and rounded once, half up.
  *
