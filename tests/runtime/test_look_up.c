@@ -6,7 +6,7 @@ static void test_equals_the_formula(void **state) {
   static const int sides[] = {1, 2, 7, 64, 255, 256};
   uint64_t random = 1;
   size_t lightings[STY_MAX_LIGHTINGS] = {0};
-  for (int round = 0; round < CASES(60, 12); round++) {
+  for (int round = 0; round < CASES(60, 24); round++) {
     const Guides how = draw_guides(&random);
     Fixture *fixture = draw_fixture(&random, &how, sides[round % 6], 1 + draw_below(&random, 4));
     for (int size = 0; size < FRAME_SIZES; size++) {

@@ -187,8 +187,11 @@ static void test_paths(void **state) {
     StyMatch match;
     const bool is_there = path >= 0 && path <= STY_PATH_AVX512 && sty_has_path((StyRuntimePath)path);
     assert_int_equal(sty_has_path((StyRuntimePath)path) != 0, is_there);
-    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frame, get_all(&frame), &match),
-                     is_there ? STY_RUNTIME_OK : STY_RUNTIME_BAD_ARGUMENT);
+    const StyRuntimeStatus wanted = is_there ? STY_RUNTIME_OK : STY_RUNTIME_BAD_ARGUMENT;
+    uint8_t picture[4];
+    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frame, get_all(&frame), &match), wanted);
+    match = (StyMatch){.x = 0};
+    assert_int_equal(sty_blend_frame(&fixture->bundle, &frame, get_all(&frame), &match, 8, picture), wanted);
   }
   destroy_fixture(fixture);
 }

@@ -151,18 +151,33 @@ static void test_tiles_equal_the_whole(void **state) {
   }
 }
 
+/* Frames where no pixel is stylized, by any pass: not covered, or of styles that the bundle lacks. */
 static void test_nothing_covered(void **state) {
   (void)state;
+  enum { PIXELS = 37 * 23 };
   uint64_t random = 4;
   const Guides how = {0, 256, 0};
   Fixture *fixture = draw_fixture(&random, &how, 16, 1);
-  const StyFrame frame = draw_frame(&random, &how, fixture, 37, 23);
-  for (int i = 0; i < 37 * 23; i++) ((uint8_t *)frame.guide)[4 * i + 3] = 0;
-  StyMatch *matches = transfer_rect(fixture, &frame, get_all(&frame));
-  const StyMatch none = {.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
-  for (int i = 0; i < 37 * 23; i++) assert_true(is_same(matches[i], none));
-  free(matches);
-  destroy_frame(&frame);
+  for (int covered = 0; covered < 2; covered++) {
+    uint8_t guide[4 * PIXELS], styles[PIXELS], picture[4 * PIXELS];
+    StyMatch matches[4][PIXELS];
+    draw_guide(&random, &how, guide, PIXELS);
+    for (int i = 0; i < PIXELS; i++) guide[4 * i + 3] = (uint8_t)covered;
+    for (int i = 0; i < PIXELS; i++) styles[i] = i % 2 ? 0 : i % 3 ? 2 : 255;
+    const StyFrame frame = {.width = 37, .height = 23, .guide = guide, .styles = covered ? styles : NULL, .style = 1};
+    const StyFrame half = {
+        .width = 19, .height = 12, .resolution = -1, .guide = guide, .styles = frame.styles, .style = 1};
+    const StyRect all = get_all(&frame);
+    memset(matches, 0, sizeof matches);
+    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frame, all, matches[0]), STY_RUNTIME_OK);
+    assert_int_equal(sty_look_up_frame(&fixture->bundle, &frame, all, matches[1]), STY_RUNTIME_OK);
+    assert_int_equal(sty_transfer_brute(&fixture->bundle, &frame, matches[2]), STY_RUNTIME_OK);
+    assert_int_equal(sty_expand_matches(&fixture->bundle, &half, matches[0], &frame, all, matches[3]), STY_RUNTIME_OK);
+    for (int i = 0; i < 4 * PIXELS; i++) assert_true(is_same(matches[i / PIXELS][i % PIXELS], no_match));
+    memset(picture, 1, sizeof picture);
+    assert_int_equal(sty_blend_frame(&fixture->bundle, &frame, all, matches[0], 8, picture), STY_RUNTIME_OK);
+    for (size_t i = 0; i < sizeof picture; i++) assert_int_equal(picture[i], 0);
+  }
   destroy_fixture(fixture);
 }
 
@@ -329,9 +344,15 @@ static void test_bad_arguments(void **state) {
   frames[14].path = STY_PATH_AVX512 + 1;
   frames[15].path = (StyRuntimePath)-1;
   frames[16].seeds_count = -1;
-  for (int i = 0; i < FRAMES; i++)
-    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frames[i], (StyRect){0, 0, 0, 0}, matches),
+  const StyRect nothing = {0, 0, 0, 0};
+  uint8_t picture[4 * 6];
+  for (int i = 0; i < FRAMES; i++) { /* no pass takes them */
+    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frames[i], nothing, matches), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_look_up_frame(&fixture->bundle, &frames[i], nothing, matches), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_transfer_brute(&fixture->bundle, &frames[i], matches), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_blend_frame(&fixture->bundle, &frames[i], nothing, matches, 8, picture),
                      STY_RUNTIME_BAD_ARGUMENT);
+  }
   static const StyRect rects[] = {{-1, 0, 1, 1}, {0, -1, 1, 1}, {0, 0, 4, 1}, {0, 0, 1, 3}, {2, 0, 1, 1}, {0, 2, 1, 1}};
   for (size_t i = 0; i < sizeof rects / sizeof *rects; i++)
     assert_int_equal(sty_transfer_frame(&fixture->bundle, &good, rects[i], matches), STY_RUNTIME_BAD_ARGUMENT);
