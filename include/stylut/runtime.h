@@ -240,8 +240,9 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
  * multiplied by 1 - w + w * albedo, w = colour_weight rounded to 256ths; products of encoded values are close to those
  * of light, encoded.
  *
- * Pixels not covered or not stylized become 0 0 0 0. Needs the matches of `rect` grown by the
- * largest radius (within the frame). */
+ * Pixels not covered or not stylized become 0 0 0 0. Needs the matches of `rect` grown by the largest radius (within
+ * the frame). Matches that another bundle or frame left do no harm: places and lightings that the style lacks don't
+ * vote, and a pixel without any vote becomes 0 0 0 0. */
 StyRuntimeStatus sty_blend_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, const StyMatch *matches,
                                  int bits, void *out);
 

@@ -49,10 +49,13 @@ static Votes count_votes(const Fixture *fixture, const StyFrame *frame, const St
       if (!may_vote(fixture, frame, style, x, y, x + ox, y + oy)) continue;
       const StyMatch match = matches[(y + oy) * frame->width + x + ox];
       const int sx = match.x - (int)floor(ox / s), sy = match.y - (int)floor(oy / s);
-      if (ask_source(fixture, style, sx, sy)) add_vote(fixture, style, match.layer, sx, sy, &votes);
+      if (match.layer < fixture->style[style].layer_count && ask_source(fixture, style, sx, sy))
+        add_vote(fixture, style, match.layer, sx, sy, &votes);
     }
   const StyMatch own = matches[y * frame->width + x];
-  if (votes.count == 0) add_vote(fixture, style, own.layer, own.x, own.y, &votes);
+  const bool is_there =
+      own.x < fixture->width && own.y < fixture->height && own.layer < fixture->style[style].layer_count;
+  if (votes.count == 0 && is_there) add_vote(fixture, style, own.layer, own.x, own.y, &votes);
   return votes;
 }
 
@@ -79,6 +82,7 @@ static void expect_pixel(const Fixture *fixture, const StyFrame *frame, const St
   if (!style) return;
   const double scale = bits == 8 ? 1 : 257;
   const Votes votes = count_votes(fixture, frame, matches, style, x, y);
+  if (votes.count == 0) return;
   for (int c = 0; c < 3; c++)
     wanted[c] = (unsigned)floor(expect_colour_of(fixture, frame, style, x, y, c, &votes) * scale + 0.5);
   const int coverage = frame->guide[4 * get_index(frame, x, y) + 3];
@@ -116,7 +120,7 @@ static void expect_picture(const Fixture *fixture, const StyFrame *frame, StyRec
     }
 }
 
-/* Any source pixel where something is stylized: in patches that agree, and alone. */
+/* Any source pixel where something is stylized: in patches that agree, and alone; one in twenty matches is noise. */
 static StyMatch *draw_matches(uint64_t *random, const Fixture *fixture, const StyFrame *frame) {
   StyMatch *matches = malloc((size_t)frame->width * (size_t)frame->height * sizeof *matches);
   assert_non_null(matches);
@@ -125,6 +129,10 @@ static StyMatch *draw_matches(uint64_t *random, const Fixture *fixture, const St
       StyMatch *match = &matches[y * frame->width + x];
       const int style = ask_style(fixture, frame, x, y);
       *match = no_match;
+      if (draw_below(random, 20) == 0) {
+        fill_random(random, (unsigned char *)match, sizeof *match);
+        continue;
+      }
       if (!style) continue;
       const bool alone = draw_below(random, 4) == 0;
       *match = (StyMatch){.x = (uint16_t)((alone ? draw_below(random, 1 << 15) : x) % fixture->width),

@@ -43,7 +43,7 @@ static StyMatch expect_expanded(const Fixture *fixture, const StyFrame *half, co
   const int style = ask_style(fixture, frame, x, y);
   const StyMatch parent = half_matches[get_index(half, x / 2, y / 2)];
   if (!style) return no_match;
-  if (parent.level != STY_LEVEL_NONE && parent.style == style - 1) {
+  if (parent.level != STY_LEVEL_NONE && parent.style == style - 1 && parent.layer < fixture->style[style].layer_count) {
     const Pair candidate = move_on(fixture, style, frame, (Pair){parent.x, parent.y}, x % 2, y % 2);
     if (is_accepted(fixture, style, frame, x, y, candidate, parent.layer))
       return make_match(candidate, parent.level, parent.layer, style);
@@ -69,6 +69,9 @@ static void expect_expansion(const Fixture *fixture, const StyFrame *frame, StyR
   StyMatch *half_matches = make_matches(&half), *matches = make_matches(frame);
   const StyRect needed = {rect.x0 / 2, rect.y0 / 2, (rect.x1 + 1) / 2, (rect.y1 + 1) / 2};
   assert_int_equal(sty_transfer_frame(&fixture->bundle, &half, needed, half_matches), STY_RUNTIME_OK);
+  for (int i = 0; i < half.width * half.height; i += 20) /* noise does no harm */
+    half_matches[i] =
+        (StyMatch){(uint16_t)(7919 * i), (uint16_t)(104729 * i), 3, (uint8_t)(i / 20), (uint8_t)(i % 3), 0};
   assert_int_equal(sty_expand_matches(&fixture->bundle, &half, half_matches, frame, rect, matches), STY_RUNTIME_OK);
   for (int y = 0; y < frame->height; y++)
     for (int x = 0; x < frame->width; x++) {
