@@ -320,7 +320,7 @@ static void test_bad_arguments(void **state) {
   StyMatch matches[6];
   const StyFrame good = {.width = 3, .height = 2, .guide = guide, .style = 2};
   const StyRect all = get_all(&good);
-  const int32_t anchors[] = {0, STY_MAX_ANCHOR + 1}, low[] = {INT32_MIN, 0};
+  const int32_t anchors[] = {0, STY_MAX_ANCHOR + 1}, low[] = {-STY_MAX_ANCHOR - 1, 0};
   enum { FRAMES = 17 };
   StyFrame frames[FRAMES];
   for (int i = 0; i < FRAMES; i++) frames[i] = good;
