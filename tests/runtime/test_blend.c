@@ -131,6 +131,7 @@ static StyMatch *draw_matches(uint64_t *random, const Fixture *fixture, const St
       *match = no_match;
       if (draw_below(random, 20) == 0) {
         fill_random(random, (unsigned char *)match, sizeof *match);
+        if (draw(random) & 1) match->x %= fixture->width + 1, match->y %= fixture->height + 1;
         continue;
       }
       if (!style) continue;

@@ -70,8 +70,12 @@ static void expect_expansion(const Fixture *fixture, const StyFrame *frame, StyR
   const StyRect needed = {rect.x0 / 2, rect.y0 / 2, (rect.x1 + 1) / 2, (rect.y1 + 1) / 2};
   assert_int_equal(sty_transfer_frame(&fixture->bundle, &half, needed, half_matches), STY_RUNTIME_OK);
   for (int i = 0; i < half.width * half.height; i += 20) /* noise does no harm */
-    half_matches[i] =
-        (StyMatch){(uint16_t)(7919 * i), (uint16_t)(104729 * i), 3, (uint8_t)(i / 20), (uint8_t)(i % 3), 0};
+    half_matches[i] = (StyMatch){(uint16_t)(i % (fixture->width + 1)),
+                                 (uint16_t)(i % (fixture->height + 1)),
+                                 3,
+                                 (uint8_t)(i / 20 % 8),
+                                 (uint8_t)(i % 3),
+                                 0};
   assert_int_equal(sty_expand_matches(&fixture->bundle, &half, half_matches, frame, rect, matches), STY_RUNTIME_OK);
   for (int y = 0; y < frame->height; y++)
     for (int x = 0; x < frame->width; x++) {
