@@ -76,7 +76,7 @@ MODULE = $(BUILD)/libstylut_oiio.so
 TOOL = $(BUILD)/stylut
 PAINT = $(BUILD)/paint
 CREATURE = $(BUILD)/creature
-USE_RUNTIME = $(BUILD)/use_runtime
+EXAMPLES = $(BUILD)/use_runtime $(BUILD)/animate_runtime
 TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
 FUZZERS = $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 
@@ -92,7 +92,7 @@ $(shell mkdir -p $(BUILD); printf '%s' "$(subst ",\",$(STAMP_TEXT))" | cmp -s - 
   printf '%s' "$(subst ",\",$(STAMP_TEXT))" > $(STAMP))
 
 .PHONY: all
-all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(USE_RUNTIME) ## build the tool, the libraries and the example
+all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(EXAMPLES) ## build the tool, the libraries and the examples
 
 $(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY)
 	$(LINK) $(call look_in,. ../lib) -o $@ $^ $(LIBRARIES)
@@ -144,7 +144,7 @@ $(PAINT): $(call objects,$(PAINT_SOURCES)) $(LIBRARY) | $(MODULE)
 $(CREATURE): $(call objects,exemplars/creature.c) $(LIBRARY)
 	$(LINK) -o $@ $^ $(LIBRARIES)
 # Nothing but the runtime: what a game would link.
-$(USE_RUNTIME): $(BUILD)/exemplars/use_runtime.c.o $(RUNTIME_LIBRARY)
+$(EXAMPLES): $(BUILD)/%: $(BUILD)/exemplars/%.c.o $(RUNTIME_LIBRARY)
 	$(CC) $(OPTIMIZE_$(config)) $(LDFLAGS) -o $@ $^ -lm
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)

@@ -30,6 +30,12 @@ typedef enum StyRuntimeStatus {
   STY_RUNTIME_BAD_PARAMETER, /* a style's parameters are out of range */
 } StyRuntimeStatus;
 
+/* The number of this interface. It grows by one whenever a structure, a constant or the meaning of a function here or
+ * in runtime_format.h changes, so that a program built before would err; new functions leave it. A program that loads
+ * the library when it starts compares both. */
+#define STY_RUNTIME_ABI 1
+int sty_get_runtime_abi(void);
+
 /* One line of English for a status; a static string. */
 const char *sty_describe_runtime_status(StyRuntimeStatus status);
 
@@ -61,7 +67,9 @@ typedef struct StyBundle {
  * NULL, *culprit is the index of the file at fault. */
 StyRuntimeStatus sty_open_bundle(const StyBlob files[STY_BUNDLE_FILES], StyBundle *out, int *culprit);
 
-/* The parameters of one style, as the parameter texture has them. */
+/* The parameters of one style, as the parameter texture has them. Fractions decide as integers, rounded half up: luma
+ * and jitter_amount in 255ths, luma_weight and colour_weight in 256ths; the product is a float (0.7f * 255 = 178.5 is
+ * 179), so that graphics processors agree. */
 typedef struct StyStyle {
   int threshold;                 /* sum of absolute byte differences; accepted when below; 0..STY_MAX_THRESHOLD */
   int top_level;                 /* 0..STY_MAX_LEVEL */
@@ -121,10 +129,13 @@ typedef struct StyFrame {
                               (always the first, no luminance error) */
   const uint8_t *albedo;   /* 4 a pixel: R G B encoded as the exemplar's (sRGB), the fourth isn't read; NULL: white */
   const int32_t *anchors;  /* 2 an object id (x, y): where the object's seed grid begins, pixels of this frame, at
-                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all */
+                              most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all. An object that moves
+                              by  whole pixels with its anchor keeps its matches, save near the frame's edges, where it
+                              loses seeds */
   int anchor_count;        /* object ids that have one: 0 .. anchor_count-1; the others' is 0, 0 */
   int number;              /* of the frame in its sequence, 0 and up: chooses the jitter table */
-  const StySeeds *seeds;   /* seeds worked out before (see sty_plan_seeds), to save time; NULL: none */
+  const StySeeds *seeds;   /* seeds_count of them worked out before (see sty_plan_seeds), to save time: they change
+                              nothing, those that don't fit are left alone; NULL: none */
   int seeds_count;
   StyRuntimePath path;
 } StyFrame;
@@ -160,7 +171,7 @@ typedef struct StySeedOffset {
   int8_t x, y; /* seed - pixel */
 } StySeedOffset;
 struct StySeeds {
-  StyRect area;           /* pixels less anchor that it answers for; any integers within STY_MAX_ANCHOR */
+  StyRect area;           /* pixels less anchor that it answers for, any within STY_MAX_ANCHOR + STY_MAX_FRAME_SIDE */
   int table, amount;      /* layer of the jitter texture, 255ths */
   StySeedOffset *offsets; /* levels 1..STY_SEED_LEVELS, each an area, row after row */
 };
@@ -188,7 +199,8 @@ StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, 
  * inside the source, in the lighting nearest to p.
  *
  * scatter: a seed of level STY_SCATTER_LEVEL and up is flat when the guide h/2 to its left, right, above and below
- * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't). Its u*
+ * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't, nor,
+ * where there are anchors, another object's). Its u*
  * moves by floor((2*scatter + 1) * j / 256) - scatter, j = the jitter table's bytes (x, y) at ((seed - anchor + 128)
  * mod 256), unless that leaves the source or its mask. */
 StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches);
@@ -206,7 +218,8 @@ StyRuntimeStatus sty_transfer_brute(const StyBundle *bundle, const StyFrame *fra
 
 /* Transfer at half resolution, second step: `half` is a frame of the pixels (2x, 2y) of `frame`, (width+1)/2 by
  * (height+1)/2 with resolution one less, `half_matches` its matches (needed around rect/2). Pixel (x, y) moves on from
- * the match of (x/2, y/2) by (x%2, y%2) / S where that is of its style and is accepted as above; else it falls back. */
+ * the match of (x/2, y/2) by (x%2, y%2) / S where that is of its style and is accepted as above, and keeps
+ * its level and lighting; else it falls back. */
 StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,
                                     const StyFrame *frame, StyRect rect, StyMatch *matches);
 
@@ -214,22 +227,22 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
 
 /* Blend: writes RGBA inside `rect` of `out` (width*height*4 of the frame), as
  * uint8_t for bits == 8 and uint16_t for bits == 16. A pixel is the mean of its
- * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] in the neighbour's lighting, over neighbours of the
- * same style; a vote is dropped when it leaves the source or its mask, when
- * the depth there differs by more than the tolerance (equal infinities agree,
- * NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1), or, with STY_FLAG_OBJECTS, when the object is
- * another. Where no vote is left, the exemplar at match(p) stands alone. The mean is that of the stored bytes, as in
- * the published method, not of linear light. Colours weigh by the
+ * (2r+1)^2 neighbours' votes, exemplar[match(p+o) - o / S] (o / S rounded down) in the neighbour's lighting, over
+ * neighbours of the same style; a vote is dropped when it leaves the source or its mask, when the depth there differs
+ * by more than the tolerance (equal infinities agree, NaN agrees with nothing but itself at o = 0; thesis 000, 3.3.1),
+ * or, with STY_FLAG_OBJECTS, when the object is another. Where no vote is left, that of match(p) itself stands alone.
+ * The mean is that of the stored bytes, as in the published method, not of linear light. Colours weigh by the
  * exemplar's alpha; alpha is the mean alpha times the frame's coverage; both are
  * straight, not premultiplied, and rounded once, half up.
  *
  * With STY_FLAG_BASE (thesis 000, 2.2.3) votes give exemplar - base, and the pixel's own base, at LUT(guide at p) in
- * the lighting nearest to p, is added to their mean, before all is clamped and rounded. Colour (3.3.2): the colour is
+ * the lighting nearest to p, is added to their mean and the sum clamped. Colour (3.3.2): the colour is then
  * multiplied by 1 - w + w * albedo, w = colour_weight rounded to 256ths; products of encoded values are close to those
  * of light, encoded.
  *
- * Pixels not covered or not stylized become 0 0 0 0. Needs the matches of `rect` grown by the
- * largest radius (within the frame). */
+ * Pixels not covered or not stylized become 0 0 0 0. Needs the matches of `rect` grown by the largest radius (within
+ * the frame). Matches that another bundle or frame left do no harm: places and lightings that the style lacks don't
+ * vote, and a pixel without any vote becomes 0 0 0 0. */
 StyRuntimeStatus sty_blend_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, const StyMatch *matches,
                                  int bits, void *out);
 

@@ -102,7 +102,9 @@ static inline Point find_seed(const unsigned char *jitter, int amount, Point p, 
 
 static inline bool looks_alike(const StyFrame *frame, size_t index, int x, int y) {
   if (!contains_pixel(frame, x, y)) return true;
-  const unsigned char *a = frame->guide + index * 4, *b = frame->guide + get_pixel_index(frame, x, y) * 4;
+  const size_t other = get_pixel_index(frame, x, y);
+  if (frame->anchors && get_object(frame, index) != get_object(frame, other)) return false;
+  const unsigned char *a = frame->guide + index * 4, *b = frame->guide + other * 4;
   int difference = 0;
   for (int channel = 0; channel < 3; channel++)
     difference += a[channel] > b[channel] ? a[channel] - b[channel] : b[channel] - a[channel];

@@ -29,7 +29,9 @@ static void expand_pixel(void *context, const Pixel *pixel) {
 
 StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,
                                     const StyFrame *frame, StyRect rect, StyMatch *matches) {
-  if (!half || !half_matches || !matches || !is_frame_valid(bundle, frame, rect)) return STY_RUNTIME_BAD_ARGUMENT;
+  if (!half_matches || !matches || !is_frame_valid(bundle, frame, rect) ||
+      !is_frame_valid(bundle, half, (StyRect){0, 0, 0, 0}))
+    return STY_RUNTIME_BAD_ARGUMENT;
   if (half->width != (frame->width + 1) / 2 || half->height != (frame->height + 1) / 2 ||
       half->resolution != frame->resolution - 1)
     return STY_RUNTIME_BAD_ARGUMENT;

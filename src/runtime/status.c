@@ -1,5 +1,7 @@
 #include "stylut/runtime.h"
 
+int sty_get_runtime_abi(void) { return STY_RUNTIME_ABI; }
+
 const char *sty_describe_runtime_status(StyRuntimeStatus status) {
   switch (status) {
     case STY_RUNTIME_OK: return "done";

@@ -297,23 +297,36 @@ style_with() { # PARAMS NUMBER
   printf '%s' "$output" >"$BATS_TEST_TMPDIR/desk/$2.json"
 }
 
-@test "the example program runs on a bundle" {
+@test "the example programs run on a bundle" {
   [ -x "$STYLUT_BUILD/use_runtime" ] || skip "no use_runtime in the build"
   bring oil128.png
   write_styles 'oil oil128.png' >oil.json
   accept pack oil.json -o bundle
-  "$STYLUT_BUILD/use_runtime" bundle >picture.ppm 2>said.txt || complain "use_runtime: $(cat said.txt)"
-  expect header "$(head -n 1 picture.ppm)" 'P6 256 256 255'
-  oiiotool --info picture.ppm | grep -q '256 x  256, 3 channel' || complain 'use_runtime wrote no picture of 256x256'
-  expect_less 'colours' 1000 "$(tail -c 196608 picture.ppm | od -An -v -tx1 -w3 | sort -u | wc -l)"
+  local program
+  for program in use_runtime:256x256 animate_runtime:192x1536; do
+    local size=${program#*:} bytes
+    program=${program%:*} bytes=$((${size%x*} * ${size#*x} * 3))
+    "$STYLUT_BUILD/$program" bundle >picture.ppm 2>said.txt || complain "$program: $(cat said.txt)"
+    expect "$program: header" "$(head -n 1 picture.ppm)" "P6 ${size/x/ } 255"
+    expect "$program: bytes" "$(tail -n +2 picture.ppm | wc -c)" "$bytes"
+    expect_less "$program: colours" 1000 "$(tail -c "$bytes" picture.ppm | od -An -v -tx1 -w3 | sort -u | wc -l)"
+    expect_refused_by "$program" missing
+    cp -r bundle bad
+    truncate -s 200 bad/luts.ktx2
+    expect_refused_by "$program" bad
+    rm -r bad
+  done
+  # Frames move on, and none is empty.
+  local frame
+  for frame in 0 1 2 3 4 5 6 7; do tail -c "$bytes" picture.ppm | tail -c +$((frame * 110592 + 1)) | head -c 110592 | sha256sum; done >frames.txt
+  expect 'distinct frames' "$(sort -u frames.txt | wc -l)" 8
+}
+
+expect_refused_by() { # PROGRAM BUNDLE: one line, no crash
   local status=0
-  "$STYLUT_BUILD/use_runtime" missing >picture.ppm 2>said.txt || status=$?
-  [ $status != 0 ] || complain "use_runtime passed without a bundle"
-  cp -r bundle bad
-  truncate -s 200 bad/luts.ktx2
-  status=0
-  "$STYLUT_BUILD/use_runtime" bad >picture.ppm 2>said.txt || status=$?
-  [[ $status != 0 && $status -lt 128 ]] || complain "use_runtime on a damaged bundle: exit $status"
+  "$STYLUT_BUILD/$1" "$2" >refused.ppm 2>said.txt || status=$?
+  [[ $status != 0 && $status -lt 128 ]] || complain "$1 on bundle '$2': exit $status"
+  expect "$1 on bundle '$2': lines said" "$(wc -l <said.txt)" 1
 }
 
 @test "holes in an exemplar's paint are never copied" {

@@ -110,8 +110,30 @@ done
   done
 } >"$corpus/ply/seed-normals.ply"
 
+# What no manifest asks for, in the first style of three: rows of parameters end the file.
+# put FOLDER ROW COMPONENT BYTES: a float, lowest byte first
+put() {
+  local size
+  size=$(stat -c %s "$1/params.ktx2")
+  # shellcheck disable=SC2059 # the bytes are escapes
+  printf "$4" | dd of="$1/params.ktx2" bs=1 seek=$((size - 5 * 3 * 16 + 3 * 16 * $2 + 4 * $3)) conv=notrunc status=none
+}
+for name in light base; do
+  cp -r long $name
+  put $name 1 0 '\xcd\xcc\xcc\x3d' # luminance weight 0.1
+  put $name 1 1 '\0\0\0\x3f'       # colour weight 0.5
+  put $name 2 1 '\0\0\x80\x3f'     # luminance of the second lighting 1
+  put $name 3 0 '\0\0\x40\x3f'     # jitter amount 0.75
+  put $name 3 1 '\0\0\0\x40'       # jitter period 2
+  put $name 4 0 '\0\0\xe0\x40'     # scatter 7
+done
+put light 1 3 '\0\0\x40\x40' # three lightings
+put light 3 2 '\0\0\0\x40'   # scale 2
+put base 3 2 '\0\0\0\x3f'    # scale 0.5
+put base 3 3 '\0\0\xc0\x40'  # objects and a base
+
 # Bundles, as fuzz_bundle.c reads them. Jitter keeps what lies before its texels.
-for name in short long; do
+for name in short long light base; do
   for file in exemplars guides luts params jitter; do
     size=$(stat -c %s "$name/$file.ktx2") own=$size
     [ $file != jitter ] || own=$((size - 256 * 256 * 2))
@@ -119,9 +141,11 @@ for name in short long; do
     number 3 $((size - own))
     head -c "$own" "$name/$file.ktx2"
   done >"$corpus/bundle/seed-$name"
-  # The frame: all there is to it, covered.
-  printf '\x0f\x80\xff\xff\x80\x70\xe0\xff\x41\x92\xc0\x01\xc3' >>"$corpus/bundle/seed-$name"
 done
+# The frame: what it has, then all there is to it, covered.
+for name in short long; do printf '\x0f\x80\xff\xff\x80\x70\xe0\xff\x41\x92\xc0\x01\xc3' >>"$corpus/bundle/seed-$name"; done
+printf '\xf7\x0c\xff\xff\x80\x70\xe0\xff\x41\x92\xc0\x01\xc3' >>"$corpus/bundle/seed-light"
+printf '\xfe\x16\xff\xff\x80\x70\xe0\xff\x41\x92\xc0\x01\xc3' >>"$corpus/bundle/seed-base"
 
 # Tables as files, and a guide.
 cp sphere.exr "$corpus/picture/seed-guide.exr"

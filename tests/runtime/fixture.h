@@ -168,11 +168,36 @@ static inline size_t count_texel_bytes(const Fixture *fixture, int file) {
   return fixture->files[file].size - (size_t)(fixture->texels[file] - (const unsigned char *)fixture->files[file].data);
 }
 
+/* One of `count` numbers. */
+#define DRAW_OF(random, ...) \
+  (((const double[]){__VA_ARGS__})[draw_below(random, (int)(sizeof((double[]){__VA_ARGS__}) / sizeof(double)))])
+
+/* Any parameters that the bundle's layers allow; fractions that no byte and no 256th holds among them. */
+static inline StyStyle draw_style(uint64_t *random, const Guides *how, const Fixture *fixture) {
+  StyStyle values = {
+      .threshold = (int)DRAW_OF(random, 0, 1, 24, draw_below(random, 3 * how->spread), STY_MAX_THRESHOLD),
+      .top_level = draw_below(random, 7),
+      .radius = draw_below(random, STY_MAX_RADIUS + 1),
+      .depth_tolerance = (float)DRAW_OF(random, 0, 0.25, 0.5, 100),
+      .luma_weight = (float)DRAW_OF(random, 0, 0.1, 0.3, 1, draw_below(random, 1600) / 100.0, 16),
+      .colour_weight = (float)DRAW_OF(random, 0, 0.1, 0.5, draw_below(random, 1000) / 1000.0, 1),
+      .layer_count = 1 + draw_below(random, fixture->exemplars < 4 ? fixture->exemplars : 4),
+      .jitter_amount = (float)DRAW_OF(random, 0, 0.1, 0.5, draw_below(random, 1000) / 1000.0, 1),
+      .jitter_period = (int)DRAW_OF(random, 0, 1, 2, 7, STY_MAX_PERIOD),
+      .scale = (float)DRAW_OF(random, 0.5, 1, 1, 2),
+      .flags = (unsigned)draw_below(random, STY_KNOWN_FLAGS + 1),
+      .scatter = (int)DRAW_OF(random, 0, 1, draw_below(random, 12), STY_MAX_SCATTER)};
+  if (2 * values.layer_count > fixture->exemplars) values.flags &= ~STY_FLAG_BASE;
+  const int layers = values.layer_count * (values.flags & STY_FLAG_BASE ? 2 : 1);
+  values.layer = draw_below(random, fixture->exemplars - layers + 1);
+  for (int i = 0; i < STY_MAX_LIGHTINGS; i++) values.luma[i] = (float)draw_below(random, 101) / 100;
+  return values;
+}
+
 /* A bundle of random texels and styles, opened. Every eighth jitter byte is 255, every eighth 0. */
 static inline Fixture *draw_fixture(uint64_t *random, const Guides *how, int lut_side, int styles) {
-  static const float tolerances[] = {0, 0.25f, 0.5f, 100};
   Fixture *fixture = make_fixture(1 + draw_below(random, 40), 1 + draw_below(random, 40), lut_side, styles,
-                                  1 + draw_below(random, 3), 1 + draw_below(random, 3));
+                                  1 + draw_below(random, 8), 1 + draw_below(random, 3));
   fill_random(random, fixture->texels[STY_BUNDLE_EXEMPLARS], count_texel_bytes(fixture, STY_BUNDLE_EXEMPLARS));
   fill_random(random, fixture->texels[STY_BUNDLE_LUTS], count_texel_bytes(fixture, STY_BUNDLE_LUTS));
   fill_random(random, fixture->texels[STY_BUNDLE_JITTER], count_texel_bytes(fixture, STY_BUNDLE_JITTER));
@@ -183,28 +208,35 @@ static inline Fixture *draw_fixture(uint64_t *random, const Guides *how, int lut
   for (int i = 0; i < 4; i++) fixture->texels[STY_BUNDLE_LUTS][i] = i & 2 ? 0 : 255; /* the far end and the near one */
   draw_guide(random, how, fixture->texels[STY_BUNDLE_GUIDES], count_texel_bytes(fixture, STY_BUNDLE_GUIDES) / 4);
   for (int style = 1; style <= styles; style++) {
-    const int thresholds[] = {0, 1, 24, draw_below(random, 3 * how->spread), STY_MAX_THRESHOLD};
-    const StyStyle values = {.threshold = thresholds[draw_below(random, 5)],
-                             .top_level = draw_below(random, 7),
-                             .radius = draw_below(random, STY_MAX_RADIUS + 1),
-                             .depth_tolerance = tolerances[draw_below(random, 4)],
-                             .layer = draw_below(random, fixture->exemplars),
-                             .flags = draw(random) & 1 ? STY_FLAG_UNORM8 : 0};
+    const StyStyle values = draw_style(random, how, fixture);
     write_style(fixture, style, &values);
   }
   open_fixture(fixture);
   return fixture;
 }
 
-/* Random guide, and each of full precision, depth and styles in half of the frames. Full precision and depth
- * are multiples of powers of two, so that float arithmetic on them is exact. */
+/* Where objects' grids begin: around the frame, far outside it, as far as can be. */
+static inline int32_t *draw_anchors(uint64_t *random, int count) {
+  int32_t *anchors = malloc(2 * sizeof *anchors * (size_t)(count ? count : 1));
+  assert_non_null(anchors);
+  for (int i = 0; i < 2 * count; i++)
+    anchors[i] = (int32_t)DRAW_OF(random, 0, draw_below(random, 200) - 100, draw_below(random, 200) - 100,
+                                  draw_below(random, 200000) - 100000, STY_MAX_ANCHOR, -STY_MAX_ANCHOR);
+  return anchors;
+}
+
+/* Random guide, and each of all that a frame may have besides in half of the frames. Full precision and depth are
+ * multiples of powers of two, so that float arithmetic on them is exact. Objects are patches of 16 by 16 pixels; some
+ * have no anchor where there are any. */
 static inline StyFrame draw_frame(uint64_t *random, const Guides *how, const Fixture *fixture, int width, int height) {
   static const float specials[] = {NAN, INFINITY, -INFINITY, 1.5f, -1.5f, 1, -1, 0};
   static const float depths[] = {0, 0.25f, 0.5f, 0.75f, 50, 200, INFINITY, -INFINITY, NAN};
+  enum { OBJECTS = 6 };
   const size_t pixels = (size_t)width * (size_t)height;
-  uint8_t *guide = malloc(4 * pixels), *styles = malloc(pixels);
+  uint8_t *guide = malloc(4 * pixels), *styles = malloc(pixels), *luma = malloc(pixels), *albedo = malloc(4 * pixels);
   float *fine = malloc(2 * pixels * sizeof *fine), *depth = malloc(pixels * sizeof *depth);
-  assert_true(guide && styles && fine && depth);
+  uint16_t *objects = malloc(pixels * sizeof *objects);
+  assert_true(guide && styles && fine && depth && luma && albedo && objects);
   draw_guide(random, how, guide, pixels);
   for (size_t i = 0; i < 2 * pixels; i++)
     fine[i] =
@@ -213,17 +245,34 @@ static inline StyFrame draw_frame(uint64_t *random, const Guides *how, const Fix
   for (size_t i = 0; i < pixels; i++)
     styles[i] = (uint8_t)(draw_below(random, 8) ? 1 + draw_below(random, fixture->styles)
                                                 : draw_below(random, 2) * (255 - draw_below(random, 3)));
+  fill_random(random, luma, pixels);
+  fill_random(random, albedo, 4 * pixels);
+  const uint64_t patches = draw(random);
+  for (size_t i = 0; i < pixels; i++) {
+    uint64_t patch = patches + i % (size_t)width / 16 * 1000003 + i / (size_t)width / 16;
+    objects[i] = (uint16_t)(draw_below(&patch, OBJECTS) ? draw_below(&patch, OBJECTS) : 65535);
+  }
   StyFrame frame = {.width = width,
                     .height = height,
+                    .resolution = (int)DRAW_OF(random, -1, 0, 0, 1),
                     .guide = guide,
                     .fine = fine,
                     .depth = depth,
                     .styles = styles,
                     .style = 1 + draw_below(random, fixture->styles),
-                    .number = draw_below(random, 10)};
+                    .objects = objects,
+                    .luma = luma,
+                    .albedo = albedo,
+                    .anchor_count = draw_below(random, OBJECTS + 1),
+                    .number = (int)DRAW_OF(random, draw_below(random, 10), draw_below(random, 1 << 30), INT32_MAX)};
+  frame.anchors = draw_anchors(random, frame.anchor_count);
   if (draw(random) & 1) free(fine), frame.fine = NULL;
   if (draw(random) & 1) free(depth), frame.depth = NULL;
   if (draw(random) & 1) free(styles), frame.styles = NULL;
+  if (draw(random) & 1) free(luma), frame.luma = NULL;
+  if (draw(random) & 1) free(albedo), frame.albedo = NULL;
+  if (draw(random) & 1) free(objects), frame.objects = NULL;
+  if (draw(random) & 1) free((void *)frame.anchors), frame.anchors = NULL, frame.anchor_count = 0;
   return frame;
 }
 
@@ -232,6 +281,10 @@ static inline void destroy_frame(const StyFrame *frame) {
   free((void *)frame->fine);
   free((void *)frame->depth);
   free((void *)frame->styles);
+  free((void *)frame->luma);
+  free((void *)frame->albedo);
+  free((void *)frame->objects);
+  free((void *)frame->anchors);
 }
 
 /* Sizes of frames that tests go through: single pixels, rows, columns, odd. */
@@ -260,6 +313,8 @@ static inline StyRect draw_rect(uint64_t *random, const StyFrame *frame) {
   rect.y1 = rect.y0 + 1 + draw_below(random, frame->height - rect.y0);
   return rect;
 }
+
+static inline StyRect get_all(const StyFrame *frame) { return (StyRect){0, 0, frame->width, frame->height}; }
 
 static inline bool is_inside(StyRect rect, int x, int y) {
   return x >= rect.x0 && y >= rect.y0 && x < rect.x1 && y < rect.y1;

@@ -1,9 +1,27 @@
 /* sty_blend_frame against the formula of runtime.h, written out literally. */
-#include "fixture.h"
+#include "oracle.h"
 
-static const uint8_t *get_exemplar(const Fixture *fixture, int style, int x, int y) {
-  const int layer = fixture->style[style].layer;
-  return fixture->texels[STY_BUNDLE_EXEMPLARS] + 4 * ((layer * fixture->height + y) * fixture->width + x);
+/* Texel of a layer, counted from the style's first. */
+static const uint8_t *get_layer_texel(const Fixture *fixture, int style, int layer, int x, int y) {
+  return fixture->texels[STY_BUNDLE_EXEMPLARS] +
+         4 * (((fixture->style[style].layer + layer) * fixture->height + y) * fixture->width + x);
+}
+
+/* The sums of votes: of colours times alpha, of alphas. */
+typedef struct Votes {
+  double colour[3], alpha;
+  int count;
+} Votes;
+
+static void add_vote(const Fixture *fixture, int style, int lighting, int x, int y, Votes *votes) {
+  const bool based = fixture->style[style].flags & STY_FLAG_BASE;
+  const uint8_t *texel = get_layer_texel(fixture, style, lighting, x, y);
+  for (int c = 0; c < 3; c++) {
+    const int base = based ? get_layer_texel(fixture, style, fixture->style[style].layer_count + lighting, x, y)[c] : 0;
+    votes->colour[c] += (texel[c] - base) * texel[3];
+  }
+  votes->alpha += texel[3];
+  votes->count++;
 }
 
 static bool do_depths_agree(const StyFrame *frame, float tolerance, int p, int q) {
@@ -14,34 +32,61 @@ static bool do_depths_agree(const StyFrame *frame, float tolerance, int p, int q
   return fabs(a - b) <= tolerance;
 }
 
-static void expect_pixel(const Fixture *fixture, const StyFrame *frame, const StyMatch *matches, int x, int y, int bits,
-                         unsigned wanted[4]) {
-  const int style = ask_style(fixture, frame, x, y), p = y * frame->width + x;
-  for (int c = 0; c < 4; c++) wanted[c] = 0;
-  if (!style) return;
-  const int radius = fixture->style[style].radius, highest = bits == 8 ? 255 : 65535;
-  double colour[3] = {0, 0, 0}, alpha = 0;
-  int votes = 0;
+static bool may_vote(const Fixture *fixture, const StyFrame *frame, int style, int x, int y, int nx, int ny) {
+  if (!is_in_frame(frame, nx, ny) || ask_style(fixture, frame, nx, ny) != style) return false;
+  if ((fixture->style[style].flags & STY_FLAG_OBJECTS) && get_object(frame, x, y) != get_object(frame, nx, ny))
+    return false;
+  return do_depths_agree(frame, fixture->style[style].depth_tolerance, y * frame->width + x, ny * frame->width + nx);
+}
+
+static Votes count_votes(const Fixture *fixture, const StyFrame *frame, const StyMatch *matches, int style, int x,
+                         int y) {
+  Votes votes = {{0, 0, 0}, 0, 0};
+  const int radius = fixture->style[style].radius;
+  const double s = (double)fixture->style[style].scale * pow(2, frame->resolution);
   for (int oy = -radius; oy <= radius; oy++)
     for (int ox = -radius; ox <= radius; ox++) {
-      const int nx = x + ox, ny = y + oy, q = ny * frame->width + nx;
-      if (nx < 0 || ny < 0 || nx >= frame->width || ny >= frame->height) continue;
-      if (ask_style(fixture, frame, nx, ny) != style) continue;
-      if (!do_depths_agree(frame, fixture->style[style].depth_tolerance, p, q)) continue;
-      if (!ask_source(fixture, style, matches[q].x - ox, matches[q].y - oy)) continue;
-      const uint8_t *texel = get_exemplar(fixture, style, matches[q].x - ox, matches[q].y - oy);
-      for (int c = 0; c < 3; c++) colour[c] += texel[c] * texel[3];
-      alpha += texel[3];
-      votes++;
+      if (!may_vote(fixture, frame, style, x, y, x + ox, y + oy)) continue;
+      const StyMatch match = matches[(y + oy) * frame->width + x + ox];
+      const int sx = match.x - (int)floor(ox / s), sy = match.y - (int)floor(oy / s);
+      if (match.layer < fixture->style[style].layer_count && ask_source(fixture, style, sx, sy))
+        add_vote(fixture, style, match.layer, sx, sy, &votes);
     }
-  if (votes == 0) {
-    const uint8_t *texel = get_exemplar(fixture, style, matches[p].x, matches[p].y);
-    for (int c = 0; c < 3; c++) colour[c] = texel[c] * texel[3];
-    alpha = texel[3];
-    votes = 1;
+  const StyMatch own = matches[y * frame->width + x];
+  const bool is_there =
+      own.x < fixture->width && own.y < fixture->height && own.layer < fixture->style[style].layer_count;
+  if (votes.count == 0 && is_there) add_vote(fixture, style, own.layer, own.x, own.y, &votes);
+  return votes;
+}
+
+/* Clamped, coloured, not yet rounded; 0..1. */
+static double expect_colour_of(const Fixture *fixture, const StyFrame *frame, int style, int x, int y, int c,
+                               const Votes *votes) {
+  if (votes->alpha == 0) return 0;
+  double sum = votes->colour[c]; /* times alpha, so that nothing is rounded on the way */
+  if (fixture->style[style].flags & STY_FLAG_BASE) {
+    const Pair own = look_up(fixture, style, frame, x, y);
+    const int layer = fixture->style[style].layer_count + choose_lighting(fixture, style, frame, x, y);
+    sum += votes->alpha * get_layer_texel(fixture, style, layer, own.x, own.y)[c];
   }
-  for (int c = 0; c < 3 && alpha > 0; c++) wanted[c] = (unsigned)floor(colour[c] * (highest / 255) / alpha + 0.5);
-  wanted[3] = (unsigned)floor(alpha * frame->guide[4 * p + 3] * (highest / 255) / (votes * 255.0) + 0.5);
+  sum = fmin(fmax(sum, 0), 255 * votes->alpha);
+  const int weight = round_fraction(fixture->style[style].colour_weight, 256);
+  const int albedo = frame->albedo ? frame->albedo[4 * get_index(frame, x, y) + (size_t)c] : 255;
+  return sum * (255 * (256 - weight) + weight * albedo) / (votes->alpha * 255 * 256);
+}
+
+static void expect_pixel(const Fixture *fixture, const StyFrame *frame, const StyMatch *matches, int x, int y, int bits,
+                         unsigned wanted[4]) {
+  const int style = ask_style(fixture, frame, x, y);
+  for (int c = 0; c < 4; c++) wanted[c] = 0;
+  if (!style) return;
+  const double scale = bits == 8 ? 1 : 257;
+  const Votes votes = count_votes(fixture, frame, matches, style, x, y);
+  if (votes.count == 0) return;
+  for (int c = 0; c < 3; c++)
+    wanted[c] = (unsigned)floor(expect_colour_of(fixture, frame, style, x, y, c, &votes) * scale + 0.5);
+  const int coverage = frame->guide[4 * get_index(frame, x, y) + 3];
+  wanted[3] = (unsigned)floor(votes.alpha * coverage * scale / (votes.count * 255.0) + 0.5);
 }
 
 /* One rectangle blended onto bytes of 0xA5, in a block of exactly the frame's size. */
@@ -59,8 +104,6 @@ static unsigned get_component(const void *picture, int bits, int i) {
   return bits == 8 ? ((const uint8_t *)picture)[i] : ((const uint16_t *)picture)[i];
 }
 
-static StyRect get_all(const StyFrame *frame) { return (StyRect){0, 0, frame->width, frame->height}; }
-
 static void expect_picture(const Fixture *fixture, const StyFrame *frame, StyRect rect, const StyMatch *matches,
                            int bits, const void *picture) {
   for (int y = 0; y < frame->height; y++)
@@ -77,19 +120,27 @@ static void expect_picture(const Fixture *fixture, const StyFrame *frame, StyRec
     }
 }
 
-/* Any source pixel where something is stylized: in patches that agree, and alone. */
+/* Any source pixel where something is stylized: in patches that agree, and alone; one in twenty matches is noise. */
 static StyMatch *draw_matches(uint64_t *random, const Fixture *fixture, const StyFrame *frame) {
   StyMatch *matches = malloc((size_t)frame->width * (size_t)frame->height * sizeof *matches);
   assert_non_null(matches);
   for (int y = 0; y < frame->height; y++)
     for (int x = 0; x < frame->width; x++) {
       StyMatch *match = &matches[y * frame->width + x];
-      *match = (StyMatch){.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
-      if (!ask_style(fixture, frame, x, y)) continue;
+      const int style = ask_style(fixture, frame, x, y);
+      *match = no_match;
+      if (draw_below(random, 20) == 0) {
+        fill_random(random, (unsigned char *)match, sizeof *match);
+        if (draw(random) & 1) match->x %= fixture->width + 1, match->y %= fixture->height + 1;
+        continue;
+      }
+      if (!style) continue;
       const bool alone = draw_below(random, 4) == 0;
       *match = (StyMatch){.x = (uint16_t)((alone ? draw_below(random, 1 << 15) : x) % fixture->width),
                           .y = (uint16_t)((alone ? draw_below(random, 1 << 15) : y) % fixture->height),
-                          .level = STY_LEVEL_FALLBACK};
+                          .level = STY_LEVEL_FALLBACK,
+                          .layer = (uint8_t)draw_below(random, fixture->style[style].layer_count),
+                          .style = (uint8_t)(style - 1)};
     }
   return matches;
 }
@@ -118,6 +169,57 @@ static void test_equals_the_formula(void **state) {
     }
     destroy_fixture(fixture);
   }
+}
+
+/* What decides, beside the matches' places and the exemplar. */
+enum { RADIUS, DEPTH, LIGHTING, OBJECTS, BASE, COLOUR_WEIGHT, ALBEDO, SCALE, RESOLUTION, FINE, FEATURES };
+
+static void take_away(int feature, Fixture *fixture, StyFrame *frame, StyMatch *matches) {
+  for (int style = 1; style <= fixture->styles; style++) {
+    StyStyle *values = &fixture->style[style];
+    if (feature == RADIUS) values->radius = 0;
+    if (feature == DEPTH) values->depth_tolerance = 0;
+    if (feature == OBJECTS) values->flags &= ~STY_FLAG_OBJECTS;
+    if (feature == BASE) values->flags &= ~STY_FLAG_BASE;
+    if (feature == COLOUR_WEIGHT) values->colour_weight = 1;
+    if (feature == SCALE) values->scale = 1;
+  }
+  for (int i = 0; feature == LIGHTING && i < frame->width * frame->height; i++) matches[i].layer = 0;
+  if (feature == ALBEDO) frame->albedo = NULL;
+  if (feature == RESOLUTION) frame->resolution = 0;
+  if (feature == FINE) frame->fine = NULL;
+}
+
+/* None of what the other tests draw is idle: each feature changes pixels, so that they would notice its loss. */
+static void test_every_feature_decides(void **state) {
+  (void)state;
+  uint64_t random = 4;
+  size_t changed[FEATURES] = {0};
+  const Guides how = {0, 4, 6};
+  for (int round = 0; round < 24; round++) {
+    Fixture *fixture = draw_fixture(&random, &how, 16, 2);
+    const StyFrame frame = draw_frame(&random, &how, fixture, 19, 11);
+    StyMatch *matches = draw_matches(&random, fixture, &frame);
+    uint16_t *picture = blend_rect(fixture, &frame, get_all(&frame), matches, 16);
+    for (int feature = 0; feature < FEATURES; feature++) {
+      Fixture lesser = *fixture;
+      StyFrame plainer = frame;
+      StyMatch fewer[19 * 11];
+      memcpy(fewer, matches, sizeof fewer);
+      take_away(feature, &lesser, &plainer, fewer);
+      for (int i = 0; i < 19 * 11; i++) {
+        unsigned wanted[4];
+        expect_pixel(&lesser, &plainer, fewer, i % 19, i / 19, 16, wanted);
+        changed[feature] += wanted[0] != picture[4 * i] || wanted[3] != picture[4 * i + 3];
+      }
+    }
+    free(picture);
+    free(matches);
+    destroy_frame(&frame);
+    destroy_fixture(fixture);
+  }
+  for (int feature = 0; feature < FEATURES; feature++)
+    if (changed[feature] < 100) fail_msg("feature %d changed %zu pixels", feature, changed[feature]);
 }
 
 /* Tiles give the whole; a rectangle leaves the rest alone and needs no matches beyond the largest radius. */
@@ -258,6 +360,66 @@ static void test_depths_drop_votes(void **state) {
   }
 }
 
+/* One pixel of a bundle with a base: exemplar - base + own base, clamped before it is coloured. */
+static void test_bases_to_the_number(void **state) {
+  (void)state;
+  static const struct {
+    int exemplar, base, own_base, albedo;
+    float weight;
+    unsigned wanted;
+  } cases[] = {{100, 60, 30, 255, 1, 70},   {100, 60, 30, 51, 1, 14},   {250, 10, 200, 255, 1, 255},
+               {250, 10, 200, 128, 1, 128}, {10, 250, 30, 255, 1, 0},   {100, 60, 30, 0, 1, 0},
+               {100, 60, 30, 0, 0, 70},     {100, 60, 30, 0, 0.5f, 35}, {100, 60, 30, 127, 0.1f, 66}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    Fixture *fixture = make_fixture(2, 1, 1, 1, 2, 1);
+    const StyStyle style = {
+        .layer_count = 1, .scale = 1, .colour_weight = cases[i].weight, .flags = STY_FLAG_BASE}; /* LUT: pixel 0 */
+    write_style(fixture, 1, &style);
+    memset(fixture->texels[STY_BUNDLE_GUIDES], 255, 8);
+    const uint8_t texels[16] = {0,
+                                0,
+                                0,
+                                255,
+                                (uint8_t)cases[i].exemplar,
+                                0,
+                                0,
+                                255,
+                                (uint8_t)cases[i].own_base,
+                                0,
+                                0,
+                                0,
+                                (uint8_t)cases[i].base,
+                                0,
+                                0,
+                                0};
+    memcpy(fixture->texels[STY_BUNDLE_EXEMPLARS], texels, sizeof texels);
+    open_fixture(fixture);
+    const uint8_t guide[4] = {0, 0, 0, 255}, albedo[4] = {(uint8_t)cases[i].albedo, 0, 0, 0};
+    const StyFrame frame = {.width = 1, .height = 1, .guide = guide, .albedo = albedo, .style = 1};
+    const StyMatch match = {.x = 1};
+    uint8_t *picture = blend_rect(fixture, &frame, get_all(&frame), &match, 8);
+    assert_int_equal(picture[0], cases[i].wanted);
+    free(picture);
+    destroy_fixture(fixture);
+  }
+}
+
+/* The neighbour is dropped only where the flag asks for it. */
+static void test_objects_drop_votes(void **state) {
+  (void)state;
+  for (int flag = 0; flag < 2; flag++)
+    for (int other = 0; other < 2; other++) {
+      Row *row = make_row(2, 1, 0, (const uint8_t[12]){10, 0, 0, 255, 30, 0, 0, 255, 0, 0, 0, 0});
+      const uint16_t objects[2] = {0, (uint16_t)(other ? 65535 : 0)};
+      row->matches[1].x = 2;
+      row->frame.objects = objects;
+      row->fixture->style[1].flags = flag ? STY_FLAG_OBJECTS : 0;
+      write_style(row->fixture, 1, &row->fixture->style[1]);
+      expect_colour(row, 0, 8, flag && other ? 10 : 20, 0, 0, 255);
+      destroy_row(row);
+    }
+}
+
 static void test_bad_arguments(void **state) {
   (void)state;
   Row *row = make_row(3, 1, 0, (const uint8_t[12]){0});
@@ -282,12 +444,11 @@ static void test_bad_arguments(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_equals_the_formula),
-                                     cmocka_unit_test(test_tiles_and_rectangles),
-                                     cmocka_unit_test(test_radius_0_is_the_exemplar),
-                                     cmocka_unit_test(test_colours_weigh_by_alpha),
-                                     cmocka_unit_test(test_votes_outside_are_dropped),
-                                     cmocka_unit_test(test_depths_drop_votes),
-                                     cmocka_unit_test(test_bad_arguments)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_equals_the_formula),     cmocka_unit_test(test_every_feature_decides),
+      cmocka_unit_test(test_bases_to_the_number),    cmocka_unit_test(test_objects_drop_votes),
+      cmocka_unit_test(test_tiles_and_rectangles),   cmocka_unit_test(test_radius_0_is_the_exemplar),
+      cmocka_unit_test(test_colours_weigh_by_alpha), cmocka_unit_test(test_votes_outside_are_dropped),
+      cmocka_unit_test(test_depths_drop_votes),      cmocka_unit_test(test_bad_arguments)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

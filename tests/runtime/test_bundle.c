@@ -119,6 +119,7 @@ static void test_changed_bytes(void **state) {
           for (int i = 0; i < STY_BUNDLE_FILES; i++) expect_inside(fixture->files[i], &bundle.textures[i]);
           assert_int_equal(sty_transfer_frame(&bundle, &frame, all, matches), STY_RUNTIME_OK);
           assert_int_equal(sty_blend_frame(&bundle, &frame, all, matches, 8, picture), STY_RUNTIME_OK);
+          assert_int_equal(sty_look_up_frame(&bundle, &frame, all, matches), STY_RUNTIME_OK);
           taken++;
         } else {
           refused++;
@@ -401,11 +402,6 @@ static void test_styles(void **state) {
     assert_memory_equal(found.luma, wanted->luma, sizeof found.luma);
     assert_true(found.jitter_amount == wanted->jitter_amount && found.jitter_period == wanted->jitter_period);
     assert_true(found.scale == wanted->scale && found.flags == wanted->flags && found.scatter == wanted->scatter);
-    float rows[STY_PARAM_ROWS][4];
-    StyStyle again;
-    sty_encode_style(&found, rows);
-    assert_int_equal(sty_decode_style((const float(*)[4])rows, 9, &again), STY_RUNTIME_OK);
-    assert_true(again.threshold == found.threshold && again.scatter == found.scatter && again.scale == found.scale);
   }
   static const int numbers[] = {0, -1, INT32_MIN, STY_MAX_STYLES + 1, INT32_MAX};
   for (int i = 0; i < 5; i++)
@@ -413,6 +409,57 @@ static void test_styles(void **state) {
   assert_int_equal(sty_get_style(NULL, 1, &found), STY_RUNTIME_BAD_ARGUMENT);
   assert_int_equal(sty_get_style(&fixture->bundle, 1, NULL), STY_RUNTIME_BAD_ARGUMENT);
   destroy_fixture(fixture);
+}
+
+/* Encoded and decoded is the same style, to the bit, whatever it says; what lies in rows comes back, too. */
+static void test_encoded_styles(void **state) {
+  (void)state;
+  uint64_t random = 11;
+  Fixture *fixture = make_fixture(1, 1, 1, 1, 8, 1);
+  const Guides how = {0, 100, 0};
+  for (int round = 0; round < 500; round++) {
+    const StyStyle style = draw_style(&random, &how, fixture);
+    float rows[STY_PARAM_ROWS][4], again[STY_PARAM_ROWS][4];
+    StyStyle found;
+    memset(rows, 0xFF, sizeof rows);
+    sty_encode_style(&style, rows);
+    write_style(fixture, 1, &style);
+    for (int i = 0; i < 4 * STY_PARAM_ROWS; i++) {
+      unsigned char bytes[4];
+      put_float(bytes, rows[i / 4][i % 4]);
+      assert_memory_equal(bytes, fixture->texels[STY_BUNDLE_PARAMS] + 4 * i, 4);
+    }
+    assert_int_equal(sty_decode_style((const float(*)[4])rows, 8, &found), STY_RUNTIME_OK);
+    sty_encode_style(&found, again);
+    assert_memory_equal(rows, again, sizeof rows);
+    assert_memory_equal(&found, &style, sizeof found);
+    const int layers = style.layer + style.layer_count * (style.flags & STY_FLAG_BASE ? 2 : 1);
+    StyStyle left = {.threshold = 77};
+    assert_int_equal(sty_decode_style((const float(*)[4])rows, (uint32_t)layers, &found), STY_RUNTIME_OK);
+    assert_int_equal(sty_decode_style((const float(*)[4])rows, (uint32_t)layers - 1, &left), STY_RUNTIME_BAD_PARAMETER);
+    assert_int_equal(left.threshold, 77);
+    assert_int_equal(sty_decode_style(NULL, 8, &found), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_decode_style((const float(*)[4])rows, 8, NULL), STY_RUNTIME_BAD_ARGUMENT);
+  }
+  destroy_fixture(fixture);
+}
+
+/* Structures that change without a new number would break programs in silence: raise STY_RUNTIME_ABI with these. */
+static void test_interface_number(void **state) {
+  (void)state;
+  assert_int_equal(sty_get_runtime_abi(), STY_RUNTIME_ABI);
+  assert_int_equal(STY_RUNTIME_ABI, 1);
+  if (sizeof(void *) != 8) return;
+  assert_int_equal(sizeof(StyBlob), 16);
+  assert_int_equal(sizeof(StyTexture), 24);
+  assert_int_equal(sizeof(StyBundle), 120);
+  assert_int_equal(sizeof(StyStyle), 68);
+  assert_int_equal(sizeof(StyFrame), 112);
+  assert_int_equal(offsetof(StyFrame, path), 108);
+  assert_int_equal(sizeof(StyRect), 16);
+  assert_int_equal(sizeof(StyMatch), 8);
+  assert_int_equal(sizeof(StySeeds), 32);
+  assert_int_equal(STY_BUNDLE_FILES * 1000 + STY_PARAM_ROWS, 5005);
 }
 
 static void test_bad_arguments(void **state) {
@@ -458,6 +505,8 @@ int main(void) {
                                      cmocka_unit_test(test_parameters),
                                      cmocka_unit_test(test_layers_that_are_not_there),
                                      cmocka_unit_test(test_styles),
+                                     cmocka_unit_test(test_encoded_styles),
+                                     cmocka_unit_test(test_interface_number),
                                      cmocka_unit_test(test_bad_arguments),
                                      cmocka_unit_test(test_descriptions)};
   return cmocka_run_group_tests(tests, NULL, NULL);

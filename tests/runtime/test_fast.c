@@ -22,7 +22,7 @@ static size_t seen[KINDS];
 
 static int draw_from(uint64_t *random, const int *values, int count) { return values[draw_below(random, count)]; }
 
-static StyStyle draw_style(uint64_t *random, const Fixture *fixture, int spread) {
+static StyStyle draw_wild_style(uint64_t *random, const Fixture *fixture, int spread) {
   static const int tops[] = {0, 2, 4, 6, 6, 6, 7, STY_MAX_LEVEL}, radii[] = {0, 1, 1, 1, 2, 4, STY_MAX_RADIUS};
   static const float amounts[] = {1, 1, 0.5f, 0, 0.3f}, scales[] = {1, 1, 1, 0.5f, 2};
   const int thresholds[] = {0, 1, 24, spread, 2 * spread, STY_MAX_THRESHOLD};
@@ -63,7 +63,7 @@ static Fixture *draw_bundle(uint64_t *random, const Guides *how, bool is_smooth)
                                                  (2 * fixture->height));
   }
   for (int style = 1; style <= fixture->styles; style++) {
-    const StyStyle values = draw_style(random, fixture, how->spread);
+    const StyStyle values = draw_wild_style(random, fixture, how->spread);
     write_style(fixture, style, &values);
   }
   open_fixture(fixture);

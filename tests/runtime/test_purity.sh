@@ -21,7 +21,7 @@ echo "headers compile alone, as C11 and as C++17"
 "${CXX:-g++}" -std=c++17 -pedantic -Wall -Werror -fsyntax-only -x c++ -I"$root/include" "$root/include/stylut/runtime.h"
 
 echo "sources include the runtime's own headers and libc only"
-{ grep -hE '#include "' "$root"/src/runtime/*.[ch] | grep -vE '"(stylut/runtime(_format)?|[a-z_]+)\.h"' || true; } | expect_nothing
+{ grep -hE '#include "' "$root"/src/runtime/*.[ch] | grep -vE '"(stylut/runtime(_format)?|[a-z0-9_]+)\.h"' || true; } | expect_nothing
 
 # Instrumented objects call their instruments; what follows is for plain ones.
 case $config in sanitize | coverage) exit 0 ;; esac
@@ -35,6 +35,12 @@ nm -g --undefined-only "$library" |
 
 echo "has no writable data"
 nm "$library" | awk 'NF > 1 && $(NF - 1) ~ /^[bBdDcC]$/' | expect_nothing
+
+if [ "$config" = release ]; then
+  echo "is small: without the vector units under 64 KiB of code"
+  size "$library" | awk 'NR > 1 && $6 !~ /avx/ { text += $1; n++ } END { if (!n || text >= 65536) print text " bytes in " n }' |
+    expect_nothing
+fi
 
 echo "links with libc and libm alone"
 printf '#include "stylut/runtime.h"\nint main(void) { StyBundle b; StyBlob f[STY_BUNDLE_FILES] = {{0, 0}}; return sty_open_bundle(f, &b, 0) == STY_RUNTIME_OK; }\n' >"$work/use.c"

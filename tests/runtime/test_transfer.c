@@ -1,110 +1,22 @@
 /* sty_transfer_frame against the formula of runtime.h, written out literally. */
-#include "fixture.h"
-
-typedef struct Pair {
-  int x, y;
-} Pair;
-
-/* Texel of a LUT's side that answers for `above` out of `range`, counted from the side's beginning. */
-static int address(double above, double range, int side, unsigned flags) {
-  const int texel =
-      (int)(flags & STY_FLAG_UNORM8 ? floor(above * (side - 1) / range + 0.5) : floor(above * side / range));
-  return texel < side ? texel : side - 1;
-}
-
-static double clamp_guide(float g) { return isnan(g) ? 0 : g < -1 ? -1 : g > 1 ? 1 : (double)g; }
-
-/* LUT(guide at a frame's pixel) of a style. */
-static Pair look_up(const Fixture *fixture, int style, const StyFrame *frame, int x, int y) {
-  const size_t i = (size_t)y * (size_t)frame->width + (size_t)x;
-  const int side = fixture->lut_side;
-  const unsigned flags = fixture->style[style].flags;
-  int column, row;
-  if (frame->fine) {
-    column = address(clamp_guide(frame->fine[2 * i]) + 1, 2, side, flags);
-    row = address(1 - clamp_guide(frame->fine[2 * i + 1]), 2, side, flags);
-  } else {
-    column = address(frame->guide[4 * i], 255, side, flags);
-    row = address(255 - frame->guide[4 * i + 1], 255, side, flags);
-  }
-  const uint8_t *texel = fixture->texels[STY_BUNDLE_LUTS] + 4 * (((style - 1) * side + row) * side + column);
-  const double u = texel[0] + 256 * texel[1], v = texel[2] + 256 * texel[3];
-  return (Pair){(int)fmin(floor(u * fixture->width / 65535), fixture->width - 1),
-                (int)fmin(floor(v * fixture->height / 65535), fixture->height - 1)};
-}
-
-static Pair find_seed(const uint8_t *jitter, int x, int y, int h) {
-  Pair nearest = {0, 0};
-  double least = INFINITY;
-  for (int dx = -1; dx <= 1; dx++)
-    for (int dy = -1; dy <= 1; dy++) {
-      const int bx = (int)floor((double)x / h) + dx, by = (int)floor((double)y / h) + dy;
-      const uint8_t *j = jitter + 2 * ((by + 256) % 256 * 256 + (bx + 256) % 256);
-      const Pair seed = {(int)floor(h * (bx + j[0] / 255.0)), (int)floor(h * (by + j[1] / 255.0))};
-      const double distance = pow(seed.x - x, 2) + pow(seed.y - y, 2);
-      if (distance < least) least = distance, nearest = seed;
-    }
-  return nearest;
-}
-
-static StyMatch expect_match(const Fixture *fixture, const StyFrame *frame, int x, int y) {
-  const int style = ask_style(fixture, frame, x, y);
-  if (!style) return (StyMatch){.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
-  const uint8_t *jitter = fixture->texels[STY_BUNDLE_JITTER] + 2 * 256 * 256 * (frame->number % fixture->jitters);
-  for (int level = fixture->style[style].top_level; level >= 0; level--) {
-    const Pair seed = find_seed(jitter, x, y, 1 << level);
-    if (seed.x < 0 || seed.y < 0 || seed.x >= frame->width || seed.y >= frame->height) continue;
-    if (frame->guide[4 * (seed.y * frame->width + seed.x) + 3] == 0) continue;
-    const Pair star = look_up(fixture, style, frame, seed.x, seed.y);
-    const Pair candidate = {star.x + (x - seed.x), star.y + (y - seed.y)};
-    const uint8_t *source = ask_source(fixture, style, candidate.x, candidate.y);
-    if (!source) continue;
-    const uint8_t *target = frame->guide + 4 * (y * frame->width + x);
-    const int error = abs(source[0] - target[0]) + abs(source[1] - target[1]) + abs(source[2] - target[2]);
-    if (error < fixture->style[style].threshold)
-      return (StyMatch){.x = (uint16_t)candidate.x,
-                        .y = (uint16_t)candidate.y,
-                        .level = (uint8_t)level,
-                        .style = (uint8_t)(style - 1)};
-  }
-  const Pair own = look_up(fixture, style, frame, x, y);
-  return (StyMatch){
-      .x = (uint16_t)own.x, .y = (uint16_t)own.y, .level = STY_LEVEL_FALLBACK, .style = (uint8_t)(style - 1)};
-}
-
-static bool is_same(StyMatch a, StyMatch b) { return memcmp(&a, &b, sizeof a) == 0; }
-
-static const StyMatch untouched = {12345, 54321, 77, 78, 79, 80};
+#include "oracle.h"
+#include "sphere.h"
 
 /* Matches of one rectangle on an untouched field, in a block of exactly the frame's size. */
 static StyMatch *transfer_rect(const Fixture *fixture, const StyFrame *frame, StyRect rect) {
-  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-  StyMatch *matches = malloc(pixels * sizeof *matches);
-  assert_non_null(matches);
-  for (size_t i = 0; i < pixels; i++) matches[i] = untouched;
+  StyMatch *matches = make_matches(frame);
   assert_int_equal(sty_transfer_frame(&fixture->bundle, frame, rect, matches), STY_RUNTIME_OK);
   return matches;
 }
-
-static StyRect get_all(const StyFrame *frame) { return (StyRect){0, 0, frame->width, frame->height}; }
 
 static void expect_matches(const Fixture *fixture, const StyFrame *frame, StyRect rect, const StyMatch *matches,
                            size_t levels[256]) {
   for (int y = 0; y < frame->height; y++)
     for (int x = 0; x < frame->width; x++) {
       const StyMatch found = matches[y * frame->width + x];
-      const StyMatch wanted = is_inside(rect, x, y) ? expect_match(fixture, frame, x, y) : untouched;
-      if (!is_same(found, wanted))
-        fail_msg("(%d, %d) of %dx%d: found %u %u level %u, expected %u %u level %u", x, y, frame->width, frame->height,
-                 found.x, found.y, found.level, wanted.x, wanted.y, wanted.level);
+      expect_same_match(frame, x, y, found, is_inside(rect, x, y) ? expect_match(fixture, frame, x, y) : untouched);
       if (levels) levels[found.level]++;
     }
-}
-
-static Guides draw_guides(uint64_t *random) {
-  static const int spreads[] = {1, 4, 20, 100, 256}, holes[] = {0, 2, 10};
-  const int spread = spreads[draw_below(random, 5)];
-  return (Guides){draw_below(random, 257 - spread), spread, holes[draw_below(random, 3)]};
 }
 
 static void test_equals_the_formula(void **state) {
@@ -130,6 +42,66 @@ static void test_equals_the_formula(void **state) {
   assert_in_range(levels[STY_LEVEL_NONE], 1, SIZE_MAX);
 }
 
+/* What decides, beside guides and LUT. */
+enum {
+  LUMA,
+  LUMA_WEIGHT,
+  FIRST_LAYER_ONLY,
+  SCALE,
+  RESOLUTION,
+  AMOUNT,
+  TABLE,
+  ANCHORS,
+  OBJECTS,
+  SCATTER,
+  FINE,
+  FEATURES
+};
+
+/* Takes one feature away. */
+static void take_away(int feature, Fixture *fixture, StyFrame *frame) {
+  for (int style = 1; style <= fixture->styles; style++) {
+    StyStyle *values = &fixture->style[style];
+    if (feature == LUMA_WEIGHT) values->luma_weight = 0;
+    if (feature == FIRST_LAYER_ONLY) values->layer_count = 1;
+    if (feature == SCALE) values->scale = 1;
+    if (feature == AMOUNT) values->jitter_amount = 1;
+    if (feature == TABLE) values->jitter_period = 0;
+    if (feature == SCATTER) values->scatter = 0;
+  }
+  if (feature == LUMA) frame->luma = NULL;
+  if (feature == RESOLUTION) frame->resolution = 0;
+  if (feature == ANCHORS) frame->anchors = NULL;
+  if (feature == OBJECTS) frame->objects = NULL;
+  if (feature == FINE) frame->fine = NULL;
+}
+
+/* None of what the other tests draw is idle: each feature changes matches, so that they would notice its loss. */
+static void test_every_feature_decides(void **state) {
+  (void)state;
+  uint64_t random = 1;
+  size_t changed[FEATURES] = {0};
+  for (int round = 0; round < CASES(120, 40); round++) {
+    const Guides how = draw_guides(&random);
+    Fixture *fixture = draw_fixture(&random, &how, 64, 1 + draw_below(&random, 4));
+    const StyFrame frame = draw_frame(&random, &how, fixture, 37, 23);
+    StyMatch *matches = transfer_rect(fixture, &frame, get_all(&frame));
+    for (int feature = 0; feature < FEATURES; feature++) {
+      Fixture lesser = *fixture;
+      StyFrame plainer = frame;
+      take_away(feature, &lesser, &plainer);
+      for (int y = 0; y < frame.height; y++)
+        for (int x = 0; x < frame.width; x++)
+          changed[feature] += !is_same(expect_match(&lesser, &plainer, x, y), matches[y * frame.width + x]);
+    }
+    free(matches);
+    destroy_frame(&frame);
+    destroy_fixture(fixture);
+  }
+  for (int feature = 0; feature < FEATURES; feature++)
+    if (changed[feature] < 100) fail_msg("feature %d changed %zu matches", feature, changed[feature]);
+}
+
 /* Cells beyond the table of 256 and the highest level, on long strips: the table repeats, nothing overflows. */
 static void test_long_frames_and_top_levels(void **state) {
   (void)state;
@@ -139,7 +111,7 @@ static void test_long_frames_and_top_levels(void **state) {
     const Guides how = {100, 30, 0};
     Fixture *fixture = draw_fixture(&random, &how, 64, 1);
     StyStyle style = fixture->style[1];
-    style.top_level = round % 2 ? STY_MAX_LEVEL : 4;
+    style.top_level = round % 4 ? STY_MAX_LEVEL - round % 4 + 1 : 4;
     write_style(fixture, 1, &style);
     const StyFrame frame = draw_frame(&random, &how, fixture, sizes[round % 3][0], sizes[round % 3][1]);
     StyMatch *matches = transfer_rect(fixture, &frame, get_all(&frame));
@@ -179,18 +151,33 @@ static void test_tiles_equal_the_whole(void **state) {
   }
 }
 
+/* Frames where no pixel is stylized, by any pass: not covered, or of styles that the bundle lacks. */
 static void test_nothing_covered(void **state) {
   (void)state;
+  enum { PIXELS = 37 * 23 };
   uint64_t random = 4;
   const Guides how = {0, 256, 0};
   Fixture *fixture = draw_fixture(&random, &how, 16, 1);
-  const StyFrame frame = draw_frame(&random, &how, fixture, 37, 23);
-  for (int i = 0; i < 37 * 23; i++) ((uint8_t *)frame.guide)[4 * i + 3] = 0;
-  StyMatch *matches = transfer_rect(fixture, &frame, get_all(&frame));
-  const StyMatch none = {.x = STY_NO_SOURCE, .y = STY_NO_SOURCE, .level = STY_LEVEL_NONE};
-  for (int i = 0; i < 37 * 23; i++) assert_true(is_same(matches[i], none));
-  free(matches);
-  destroy_frame(&frame);
+  for (int covered = 0; covered < 2; covered++) {
+    uint8_t guide[4 * PIXELS], styles[PIXELS], picture[4 * PIXELS];
+    StyMatch matches[4][PIXELS];
+    draw_guide(&random, &how, guide, PIXELS);
+    for (int i = 0; i < PIXELS; i++) guide[4 * i + 3] = (uint8_t)covered;
+    for (int i = 0; i < PIXELS; i++) styles[i] = i % 2 ? 0 : i % 3 ? 2 : 255;
+    const StyFrame frame = {.width = 37, .height = 23, .guide = guide, .styles = covered ? styles : NULL, .style = 1};
+    const StyFrame half = {
+        .width = 19, .height = 12, .resolution = -1, .guide = guide, .styles = frame.styles, .style = 1};
+    const StyRect all = get_all(&frame);
+    memset(matches, 0, sizeof matches);
+    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frame, all, matches[0]), STY_RUNTIME_OK);
+    assert_int_equal(sty_look_up_frame(&fixture->bundle, &frame, all, matches[1]), STY_RUNTIME_OK);
+    assert_int_equal(sty_transfer_brute(&fixture->bundle, &frame, matches[2]), STY_RUNTIME_OK);
+    assert_int_equal(sty_expand_matches(&fixture->bundle, &half, matches[0], &frame, all, matches[3]), STY_RUNTIME_OK);
+    for (int i = 0; i < 4 * PIXELS; i++) assert_true(is_same(matches[i / PIXELS][i % PIXELS], no_match));
+    memset(picture, 1, sizeof picture);
+    assert_int_equal(sty_blend_frame(&fixture->bundle, &frame, all, matches[0], 8, picture), STY_RUNTIME_OK);
+    for (size_t i = 0; i < sizeof picture; i++) assert_int_equal(picture[i], 0);
+  }
   destroy_fixture(fixture);
 }
 
@@ -215,47 +202,13 @@ static void test_threshold_is_strict(void **state) {
   }
 }
 
-/* A LUT whose texel for bytes (i, 255-j) holds the covered pixel at the least distance, lowest first among equals. */
-static void search_by_force(Fixture *fixture, int side, const uint8_t *guide) {
-  static int columns[128 * 128], rows[128 * 128];
-  uint32_t pixels[128 * 128], count = 0;
-  for (int i = 0; i < side * side; i++) {
-    if (!guide[4 * i + 3]) continue;
-    columns[count] = guide[4 * i];
-    rows[count] = 255 - guide[4 * i + 1];
-    pixels[count++] = (uint32_t)i;
-  }
-  for (int j = 0; j < 256; j++)
-    for (int i = 0; i < 256; i++) {
-      uint32_t least = UINT32_MAX; /* distance in the high bits, number in the low 14 */
-      for (uint32_t k = 0; k < count; k++) {
-        const int dx = columns[k] - i, dy = rows[k] - j;
-        const uint32_t key = (uint32_t)(dx * dx + dy * dy) << 14 | k;
-        least = key < least ? key : least;
-      }
-      const uint32_t best = pixels[least & 0x3FFF];
-      const double u = (best % (uint32_t)side + 0.5) / side, v = (best / (uint32_t)side + 0.5) / side;
-      put32(fixture->texels[STY_BUNDLE_LUTS] + 4 * (256 * j + i),
-            (uint32_t)floor(u * 65535 + 0.5) | (uint32_t)floor(v * 65535 + 0.5) << 16);
-    }
-}
-
 /* A sphere styled after itself: every level offers each covered pixel itself, and so does the fallback. */
 static void test_sphere_after_itself(void **state) {
   (void)state;
   const int side = CASES(128, 48);
   uint64_t random = 5;
-  Fixture *fixture = make_fixture(side, side, 256, 1, 1, 2);
-  uint8_t *guide = fixture->texels[STY_BUNDLE_GUIDES];
-  for (int i = 0; i < side * side; i++) {
-    const double x = (i % side + 0.5) / side * 2 - 1, y = 1 - (i / side + 0.5) / side * 2, square = 1 - x * x - y * y;
-    if (square < 0) continue;
-    const double n[3] = {x, y, sqrt(square)};
-    for (int c = 0; c < 3; c++) guide[4 * i + c] = (uint8_t)floor(n[c] * 127.5 + 128);
-    guide[4 * i + 3] = 255;
-  }
-  fill_random(&random, fixture->texels[STY_BUNDLE_JITTER], count_texel_bytes(fixture, STY_BUNDLE_JITTER));
-  search_by_force(fixture, side, guide);
+  Fixture *fixture = make_sphere(&random, side, 1);
+  const uint8_t *guide = fixture->texels[STY_BUNDLE_GUIDES];
   for (int threshold = 0; threshold <= 24; threshold += 24) {
     const StyStyle style = {.threshold = threshold, .top_level = 6, .flags = STY_FLAG_UNORM8};
     write_style(fixture, 1, &style);
@@ -272,6 +225,93 @@ static void test_sphere_after_itself(void **state) {
   destroy_fixture(fixture);
 }
 
+/* Luminance decides by the number: guide and source agree, luma is 10 beside lightings of 0 and 20. */
+static void test_luminance_to_the_number(void **state) {
+  (void)state;
+  static const struct {
+    float weight;
+    int threshold, luma, level, lighting;
+  } cases[] = {{1, 10, 10, STY_LEVEL_FALLBACK, 0},
+               {1, 11, 10, 0, 0},
+               {1, 10, 11, 0, 1},
+               {0.1f, 1, 10, STY_LEVEL_FALLBACK, 0},
+               {0.1f, 1, 9, 0, 0},
+               {0.1f, 2, 255, STY_LEVEL_FALLBACK, 1},
+               {16, 160, 10, STY_LEVEL_FALLBACK, 0},
+               {16, 161, 10, 0, 0},
+               {0, 1, 255, 0, 1},
+               {0, 1, 0, 0, 0}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    Fixture *fixture = make_fixture(1, 1, 1, 1, 2, 1);
+    const StyStyle style = {.threshold = cases[i].threshold,
+                            .luma_weight = cases[i].weight,
+                            .layer_count = 2,
+                            .luma = {0, 20 / 255.0f},
+                            .scale = 1};
+    write_style(fixture, 1, &style);
+    fixture->texels[STY_BUNDLE_GUIDES][3] = 1;
+    open_fixture(fixture);
+    const uint8_t guide[4] = {0, 0, 0, 255}, luma = (uint8_t)cases[i].luma;
+    StyFrame frame = {.width = 1, .height = 1, .guide = guide, .luma = &luma, .style = 1};
+    StyMatch *match = transfer_rect(fixture, &frame, get_all(&frame));
+    expect_same_match(&frame, 0, 0, *match, make_match((Pair){0, 0}, cases[i].level, cases[i].lighting, 1));
+    free(match);
+    frame.luma = NULL; /* no luminance error, always the first */
+    match = transfer_rect(fixture, &frame, get_all(&frame));
+    expect_same_match(&frame, 0, 0, *match, make_match((Pair){0, 0}, 0, 0, 1));
+    free(match);
+    destroy_fixture(fixture);
+  }
+}
+
+/* Which table a frame has, seen from the seeds: every table puts them elsewhere. */
+static void test_tables_last_for_their_period(void **state) {
+  (void)state;
+  static const int cases[][3] = {{0, 999, 0},
+                                 {1, 0, 0},
+                                 {1, 4, 1},
+                                 {2, 1, 0},
+                                 {2, 5, 2},
+                                 {7, 20, 2},
+                                 {7, 21, 0},
+                                 {65535, 65534, 0},
+                                 {65535, 65535, 1},
+                                 {65535, 131070, 2},
+                                 {1, 3000, 0},
+                                 {1, INT32_MAX, INT32_MAX % 3},
+                                 {65535, INT32_MAX, INT32_MAX / 65535 % 3}};
+  uint64_t random = 6;
+  const Guides how = {100, 30, 0};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    Fixture *fixture = make_fixture(40, 40, 64, 1, 1, 3);
+    for (int file = STY_BUNDLE_EXEMPLARS; file < STY_BUNDLE_FILES; file++)
+      if (file != STY_BUNDLE_PARAMS) fill_random(&random, fixture->texels[file], count_texel_bytes(fixture, file));
+    memset(fixture->texels[STY_BUNDLE_GUIDES], 255, count_texel_bytes(fixture, STY_BUNDLE_GUIDES));
+    const StyStyle style = {.threshold = STY_MAX_THRESHOLD,
+                            .top_level = 4,
+                            .layer_count = 1,
+                            .jitter_amount = 1,
+                            .jitter_period = cases[i][0],
+                            .scale = 1};
+    write_style(fixture, 1, &style);
+    open_fixture(fixture);
+    uint8_t guide[4 * 37 * 23];
+    draw_guide(&random, &how, guide, 37 * 23);
+    StyFrame frame = {.width = 37, .height = 23, .guide = guide, .style = 1};
+    StyMatch *matches[4];
+    for (int table = 0; table < 4; table++) {
+      fixture->style[1].jitter_period = table < 3 ? 1 : cases[i][0];
+      write_style(fixture, 1, &fixture->style[1]);
+      frame.number = table < 3 ? table : cases[i][1];
+      matches[table] = transfer_rect(fixture, &frame, get_all(&frame));
+    }
+    for (int table = 0; table < 3; table++)
+      assert_int_equal(memcmp(matches[3], matches[table], 37 * 23 * sizeof **matches) == 0, table == cases[i][2]);
+    for (int table = 0; table < 4; table++) free(matches[table]);
+    destroy_fixture(fixture);
+  }
+}
+
 static void test_bad_arguments(void **state) {
   (void)state;
   Fixture *fixture = make_fixture(2, 2, 2, 2, 1, 1);
@@ -280,8 +320,10 @@ static void test_bad_arguments(void **state) {
   StyMatch matches[6];
   const StyFrame good = {.width = 3, .height = 2, .guide = guide, .style = 2};
   const StyRect all = get_all(&good);
-  StyFrame frames[9];
-  for (int i = 0; i < 9; i++) frames[i] = good;
+  const int32_t anchors[] = {0, STY_MAX_ANCHOR + 1}, low[] = {-STY_MAX_ANCHOR - 1, 0};
+  enum { FRAMES = 17 };
+  StyFrame frames[FRAMES];
+  for (int i = 0; i < FRAMES; i++) frames[i] = good;
   frames[0].width = 0;
   frames[1].height = 0;
   frames[2].width = -3;
@@ -291,9 +333,26 @@ static void test_bad_arguments(void **state) {
   frames[6].style = 0;
   frames[7].style = 3;
   frames[8].number = -1;
-  for (int i = 0; i < 9; i++)
-    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frames[i], (StyRect){0, 0, 0, 0}, matches),
+  frames[9].resolution = -2;
+  frames[10].resolution = 2;
+  frames[11].anchor_count = -1;
+  frames[11].anchors = anchors;
+  frames[12].anchor_count = 1;
+  frames[12].anchors = anchors;
+  frames[13].anchor_count = 1;
+  frames[13].anchors = low;
+  frames[14].path = STY_PATH_AVX512 + 1;
+  frames[15].path = (StyRuntimePath)-1;
+  frames[16].seeds_count = -1;
+  const StyRect nothing = {0, 0, 0, 0};
+  uint8_t picture[4 * 6];
+  for (int i = 0; i < FRAMES; i++) { /* no pass takes them */
+    assert_int_equal(sty_transfer_frame(&fixture->bundle, &frames[i], nothing, matches), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_look_up_frame(&fixture->bundle, &frames[i], nothing, matches), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_transfer_brute(&fixture->bundle, &frames[i], matches), STY_RUNTIME_BAD_ARGUMENT);
+    assert_int_equal(sty_blend_frame(&fixture->bundle, &frames[i], nothing, matches, 8, picture),
                      STY_RUNTIME_BAD_ARGUMENT);
+  }
   static const StyRect rects[] = {{-1, 0, 1, 1}, {0, -1, 1, 1}, {0, 0, 4, 1}, {0, 0, 1, 3}, {2, 0, 1, 1}, {0, 2, 1, 1}};
   for (size_t i = 0; i < sizeof rects / sizeof *rects; i++)
     assert_int_equal(sty_transfer_frame(&fixture->bundle, &good, rects[i], matches), STY_RUNTIME_BAD_ARGUMENT);
@@ -309,10 +368,15 @@ static void test_bad_arguments(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_equals_the_formula),    cmocka_unit_test(test_long_frames_and_top_levels),
-      cmocka_unit_test(test_tiles_equal_the_whole), cmocka_unit_test(test_nothing_covered),
-      cmocka_unit_test(test_threshold_is_strict),   cmocka_unit_test(test_sphere_after_itself),
-      cmocka_unit_test(test_bad_arguments)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_equals_the_formula),
+                                     cmocka_unit_test(test_every_feature_decides),
+                                     cmocka_unit_test(test_luminance_to_the_number),
+                                     cmocka_unit_test(test_tables_last_for_their_period),
+                                     cmocka_unit_test(test_long_frames_and_top_levels),
+                                     cmocka_unit_test(test_tiles_equal_the_whole),
+                                     cmocka_unit_test(test_nothing_covered),
+                                     cmocka_unit_test(test_threshold_is_strict),
+                                     cmocka_unit_test(test_sphere_after_itself),
+                                     cmocka_unit_test(test_bad_arguments)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
