@@ -29,7 +29,8 @@ StyStatus refuse_argument(Options *options, const char *text);
 StyStatus write_picture(const Options *options, const char *command, int width, int height, int bits,
                         const void *picture, const char *const *inputs, int input_count, StyError *error);
 
-/* Says what was drawn, as text or as JSON of this schema. */
-StyStatus report_picture(const Options *options, const char *schema, const StyFrame *frame, StyError *error);
+/* Says what was drawn, as text or as JSON of this schema; warns where `guide` covers nothing. */
+StyStatus report_picture(const Options *options, const char *schema, const char *guide, const StyFrame *frame,
+                         StyError *error);
 
 #endif

@@ -256,7 +256,7 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   if (!status)
     status = write_picture(options, "outline", frame->width, frame->height, 8, work->picture, inputs,
                            arguments->over ? 2 : 1, error);
-  return status ? status : report_picture(options, "stylut-outline/1", frame, error);
+  return status ? status : report_picture(options, "stylut-outline/1", arguments->guide, frame, error);
 }
 
 static StyStatus run(Arguments *arguments) {

@@ -311,7 +311,7 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   if (!status)
     status = write_picture(options, "toon", frame->width, frame->height, work->bits, work->picture, &arguments->guide,
                            1, error);
-  return status ? status : report_picture(options, "stylut-toon/1", frame, error);
+  return status ? status : report_picture(options, "stylut-toon/1", arguments->guide, frame, error);
 }
 
 static StyStatus run(Arguments *arguments) {
