@@ -131,6 +131,7 @@ typedef struct Work {
   StyOutline outline;
   StyLine line;
   const uint8_t *colour;
+  int bits; /* those of --over */
   uint8_t *contours, *lines, *wobble;
   int8_t *columns;
   void *picture;
@@ -151,7 +152,7 @@ static StyStatus allocate_work(Work *work, size_t pixels, StyError *error) {
   work->contours = malloc(pixels);
   work->columns = malloc(pixels);
   work->lines = malloc(pixels);
-  if (!work->picture) work->picture = calloc(pixels, 4);
+  if (!work->picture) work->picture = calloc(pixels, (size_t)work->bits / 2);
   if (!work->contours || !work->columns || !work->lines || !work->picture)
     return sty_fail_memory(error, "lines", 7 * (double)pixels);
   return STY_OK;
@@ -202,6 +203,23 @@ static StyStatus set_patterns(const Arguments *arguments, Work *work, StyError *
   return STY_OK;
 }
 
+/* RGBA in the picture's own precision. */
+static StyStatus convert_under(const Arguments *arguments, const StyImage *image, Work *work, StyError *error) {
+  const size_t pixels = sty_count_pixels(image), last = (size_t)image->channel_count - 1;
+  work->bits = image->bits == 16 ? 16 : 8;
+  work->picture = malloc(pixels * (size_t)work->bits / 2);
+  if (!work->picture) return sty_fail_memory(error, arguments->over, (double)pixels * work->bits / 2);
+  if (work->bits == 8 || image->channel_count > 4)
+    return sty_convert_to_rgba8(arguments->over, image, work->picture, error);
+  uint16_t *out = work->picture;
+  for (size_t i = 0; i < pixels; i++) {
+    for (size_t c = 0; c < 3; c++)
+      out[4 * i + c] = (uint16_t)(image->data[(last < 2 ? 0 : c) * pixels + i] * 65535 + 0.5f);
+    out[4 * i + 3] = last % 2 ? (uint16_t)(image->data[last * pixels + i] * 65535 + 0.5f) : 65535;
+  }
+  return STY_OK;
+}
+
 static StyStatus read_under(const Arguments *arguments, const StyImage *guide, Work *work, StyError *error) {
   StyImage *image = NULL;
   StyStatus status = arguments->over ? sty_read_image(arguments->over, &image, error) : STY_OK;
@@ -209,9 +227,7 @@ static StyStatus read_under(const Arguments *arguments, const StyImage *guide, W
   if (image->width != guide->width || image->height != guide->height)
     status = sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected %dx%d as %s has", arguments->over,
                       image->width, image->height, guide->width, guide->height, arguments->guide);
-  if (!status && !(work->picture = malloc(4 * sty_count_pixels(image))))
-    status = sty_fail_memory(error, arguments->over, 4 * (double)sty_count_pixels(image));
-  if (!status) status = sty_convert_to_rgba8(arguments->over, image, work->picture, error);
+  if (!status) status = convert_under(arguments, image, work, error);
   sty_destroy_image(&image);
   return status;
 }
@@ -233,7 +249,8 @@ static StyRuntimeStatus draw_lines(void *context, StyRect rect) {
   const StyRuntimeStatus status =
       sty_draw_lines(frame->width, frame->height, work->columns, &work->line, rect, work->lines);
   if (status) return status;
-  return sty_lay_lines(frame->width, frame->height, work->lines, work->colour, !work->inside, rect, 8, work->picture);
+  return sty_lay_lines(frame->width, frame->height, work->lines, work->colour, !work->inside, rect, work->bits,
+                       work->picture);
 }
 
 /* Each pass wants the one before it around its rectangles, too. */
@@ -254,14 +271,14 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   end_progress(options);
   const char *const inputs[] = {arguments->guide, arguments->over};
   if (!status)
-    status = write_picture(options, "outline", frame->width, frame->height, 8, work->picture, inputs,
+    status = write_picture(options, "outline", frame->width, frame->height, work->bits, work->picture, inputs,
                            arguments->over ? 2 : 1, error);
   return status ? status : report_picture(options, "stylut-outline/1", arguments->guide, frame, error);
 }
 
 static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
-  Work work = {.colour = arguments->colour, .inside = arguments->inside};
+  Work work = {.bits = 8, .colour = arguments->colour, .inside = arguments->inside};
   StyImage *guide = NULL;
   StyStatus status = read_guide(&arguments->options, arguments->guide, &guide, error);
   if (!status) status = require_channels(arguments, guide, error);
