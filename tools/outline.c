@@ -44,7 +44,7 @@ static const struct argp_option options_table[] = {
     {"inside", KEY_INSIDE, NULL, 0, "draw nothing beyond what the picture of --over shows", 0},
     {"width", KEY_WIDTH, "PIXELS", 0, "width of lines, 0.5 to 64 (default: 2)", 0},
     {"colour", KEY_COLOUR, "RRGGBB[AA]", 0, "colour of lines, hexadecimal (default: 000000)", 0},
-    {NULL, 0, NULL, 0, "Which lines (strengths add up, 0 to 100; above 1 is a line):", 10},
+    {NULL, 0, NULL, 0, "Which lines (strengths add up, 0 to 100; 1 is a line):", 10},
     {"silhouette", KEY_SILHOUETTE, "S", 0, "where the background begins (default: 2)", 0},
     {"object", KEY_OBJECT, "S", 0, "where another object begins; wants object.I in the guide (default: 2)", 0},
     {"normal", KEY_NORMAL, "S", 0, "per 30 degrees beyond --angle that neighbours face apart (default: 2)", 0},
@@ -62,9 +62,9 @@ static const struct argp_option options_table[] = {
 
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
-  const char *const inputs[] = {arguments->guide, arguments->over};
+  const char *const inputs[] = {arguments->guide, arguments->over, arguments->texture};
   StyStatus status = require_frame(options, arguments->guide);
-  if (!status) status = protect_inputs(options, options->output, inputs, 2);
+  if (!status) status = protect_inputs(options, options->output, inputs, 3);
   const OptionNeed needs[] = {{"inside", arguments->over, "--over"},
                               {"texture", arguments->noise > 0, "--noise above 0"},
                               {"angle", arguments->normal > 0, "--normal above 0"},
@@ -269,10 +269,13 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   const StyRun run = begin_progress(options, "outline");
   StyStatus status = draw(work, &run, error);
   end_progress(options);
-  const char *const inputs[] = {arguments->guide, arguments->over};
+  const char *inputs[3] = {arguments->guide};
+  int input_count = 1;
+  if (arguments->over) inputs[input_count++] = arguments->over;
+  if (arguments->noise > 0 && !is_own_pattern(arguments->texture)) inputs[input_count++] = arguments->texture;
   if (!status)
     status = write_picture(options, "outline", frame->width, frame->height, work->bits, work->picture, inputs,
-                           arguments->over ? 2 : 1, error);
+                           input_count, error);
   return status ? status : report_picture(options, "stylut-outline/1", arguments->guide, frame, error);
 }
 

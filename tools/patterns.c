@@ -70,12 +70,13 @@ static StyStatus read_pattern(const char *path, StyPattern *out, StyError *error
   return status;
 }
 
+bool is_own_pattern(const char *name) { return strcmp(name, "hatch") == 0 || strcmp(name, "noise") == 0; }
+
 StyStatus open_pattern(const char *name, uint64_t seed, StyPattern *out, StyError *error) {
-  const bool hatch = strcmp(name, "hatch") == 0;
-  if (!hatch && strcmp(name, "noise") != 0) return read_pattern(name, out, error);
+  if (!is_own_pattern(name)) return read_pattern(name, out, error);
   uint8_t *texels = malloc(PATTERN_SIDE * PATTERN_SIDE);
   if (!texels) return sty_fail_memory(error, name, PATTERN_SIDE * PATTERN_SIDE);
-  if (hatch)
+  if (strcmp(name, "hatch") == 0)
     make_strokes(seed, texels);
   else
     make_hills(seed, 8, 1, texels);

@@ -2,6 +2,7 @@
 #ifndef STYLUT_TOOLS_PATTERNS_H
 #define STYLUT_TOOLS_PATTERNS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "stylut/runtime.h"
@@ -16,7 +17,10 @@ void make_hills(uint64_t seed, int spacing, int channels, uint8_t *out);
 /* Strokes along x, uneven as a hand draws them. */
 void make_strokes(uint64_t seed, uint8_t *out);
 
-/* A picture's luminance as a pattern, or its own copy of "hatch" and "noise". The caller frees the texels. */
+/* Whether open_pattern knows this name, which then is no file's. */
+bool is_own_pattern(const char *name);
+
+/* A picture's luminance as a pattern, or our own "hatch" or "noise". The caller frees the texels. */
 StyStatus open_pattern(const char *name, uint64_t seed, StyPattern *out, StyError *error);
 
 #endif

@@ -136,8 +136,8 @@ static StyStatus check_cell(Arguments *arguments) {
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
   StyStatus status = require_frame(options, arguments->guide);
-  if (!status) status = protect_inputs(options, options->output, &arguments->guide, 1);
-  if (!status && arguments->texture) status = protect_inputs(options, options->output, &arguments->texture, 1);
+  const char *const inputs[] = {arguments->guide, arguments->texture};
+  if (!status) status = protect_inputs(options, options->output, inputs, 2);
   if (!status && arguments->colour_count && arguments->colour_count != arguments->band_count)
     status = sty_fail(&options->error, STY_ERROR_USAGE, "--colours: found %d, expected %d: one per band",
                       arguments->colour_count, arguments->band_count);
@@ -308,9 +308,11 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   const StyRun run = begin_progress(options, "toon");
   StyStatus status = pass_rects(frame->width, frame->height, shade_rect, work, &run, error);
   end_progress(options);
+  const char *const inputs[] = {arguments->guide, arguments->texture};
+  const int input_count = arguments->texture && !is_own_pattern(arguments->texture) ? 2 : 1;
   if (!status)
-    status = write_picture(options, "toon", frame->width, frame->height, work->bits, work->picture, &arguments->guide,
-                           1, error);
+    status = write_picture(options, "toon", frame->width, frame->height, work->bits, work->picture, inputs, input_count,
+                           error);
   return status ? status : report_picture(options, "stylut-toon/1", arguments->guide, frame, error);
 }
 

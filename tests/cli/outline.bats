@@ -84,6 +84,9 @@ drawn() { dump "$1" A count; }
   accept outline --guide creature.exr --wobble 3 --no-history -j 1 -o one.png
   expect_same one.png wobble=3.png
   accept outline --guide creature.exr -o plain.png
+  accept outline --guide creature.exr --over toon.png --noise 3 --texture toon.png -o out.png
+  accept info out.png
+  expect_holds history "$output" "stylut:input3 = $(sha256sum toon.png | cut -d' ' -f1)"
   expect_less 'noise breaks lines up' "$(drawn noise=3.png)" "$(drawn plain.png)"
 }
 
@@ -98,6 +101,7 @@ drawn() { dump "$1" A count; }
   refuse 2 missing.png "${good[@]}" --over missing.png
   refuse 3 '180x200 pixels, expected 96x96' "${good[@]}" --over toon.png
   refuse 1 toon.png outline --guide creature.exr --over toon.png -o toon.png
+  refuse 1 toon.png outline --guide creature.exr --noise 3 --texture toon.png -o toon.png
   refuse 1 --over "${good[@]}" --inside
   refuse 1 --width "${good[@]}" --width 0.4
   refuse 1 --width "${good[@]}" --width 65

@@ -61,6 +61,9 @@ colours() { dump "$1" R,G,B,A 255 | awk '{ print $3 "." $4 "." $5 "." $6 }' | so
     accept toon --guide sphere.exr --$k --no-history -o "$k.png"
   done
   expect 'distinct pictures' "$(sha256sum -- *=*.png | cut -d' ' -f1 | sort -u | wc -l)" 8
+  accept toon --guide sphere.exr --texture checker.png -o out.png
+  accept info out.png
+  expect_holds history "$output" "stylut:input2 = $(sha256sum checker.png | cut -d' ' -f1)"
   accept toon --guide sphere.exr --texture hatch --no-history -j 1 -o one.png
   expect_same one.png texture=hatch.png
   accept toon --guide sphere.exr --texture hatch --no-history --bits 16 -o wide.png

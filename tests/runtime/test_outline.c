@@ -228,7 +228,7 @@ static void test_lines_equal_a_search(void **state) {
   (void)state;
   uint64_t random = 2;
   size_t partly = 0;
-  for (int round = 0; round < CASES(80, 12); round++) {
+  for (int round = 0; round < CASES(80, 40); round++) {
     const int *size = frame_sizes[round % FRAME_SIZES];
     Drawing d;
     draw_drawing(&random, size[0], size[1], &d);
