@@ -1,4 +1,4 @@
-/* What toon shading and outlines share. */
+/* What passes over pictures share: components, patterns, frames read without a bundle. */
 #ifndef STYLUT_RUNTIME_PICTURE_H
 #define STYLUT_RUNTIME_PICTURE_H
 
