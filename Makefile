@@ -115,14 +115,18 @@ $(LIBRARY): $(call objects,$(LIBRARY_SOURCES))
 
 $(BUILD)/src/runtime/%.c.o: src/runtime/%.c Makefile $(STAMP)
 	@mkdir -p $(@D)
-	$(CC) $(RUNTIME_CFLAGS) -c -o $@ $<
+	$(CC) $(RUNTIME_CFLAGS) $(UNIT_CFLAGS) -c -o $@ $<
+
+# Small where it isn't fast: all but the fast forms.
+UNIT_CFLAGS = $(if $(filter release,$(config)),-O2)
+$(BUILD)/src/runtime/runs_%.c.o: UNIT_CFLAGS =
 
 # One source, several vector units; which runs is decided at run time.
 ifeq ($(shell uname -m),x86_64)
 $(BUILD)/%_avx2.c.o: CFLAGS_ALL += -mavx2
 $(BUILD)/%_avx512.c.o: CFLAGS_ALL += -mavx512f -mavx512bw -mavx512dq -mavx512vl
-$(BUILD)/src/runtime/%_avx2.c.o: RUNTIME_CFLAGS += -mavx2
-$(BUILD)/src/runtime/%_avx512.c.o: RUNTIME_CFLAGS += -mavx512f -mavx512bw -mavx512dq -mavx512vl
+$(BUILD)/src/runtime/%_avx2.c.o: UNIT_CFLAGS = -mavx2
+$(BUILD)/src/runtime/%_avx512.c.o: UNIT_CFLAGS = -mavx512f -mavx512bw -mavx512dq -mavx512vl
 endif
 
 $(BUILD)/%.c.o: %.c Makefile $(STAMP)

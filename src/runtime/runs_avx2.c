@@ -3,6 +3,7 @@
 
 #include <immintrin.h>
 
+#include "segments.h"
 #include "voters.h"
 
 enum { LANES = 8 };
@@ -73,16 +74,21 @@ static unsigned get_waiting(const Waiting *waiting, int k) {
   return (unsigned)(words[0] >> shift | words[1] << 1 << (WORD - 1 - shift)) & 0xFF;
 }
 
-static void serve(const Run *run, const Segment *segment, int k, unsigned lanes, int x, int y, Waiting *waiting) {
-  for (; lanes; lanes &= lanes - 1) {
-    const int i = __builtin_ctz(lanes);
-    run->matches[k + i] = (StyMatch){.x = (uint16_t)(x + i),
-                                     .y = (uint16_t)y,
-                                     .level = (uint8_t)segment->level,
-                                     .layer = (uint8_t)segment->proposal.lighting,
-                                     .style = run->source->number};
-    waiting->words[(k + i) / WORD] &= ~((uint64_t)1 << (k + i) % WORD);
-  }
+static void remove_waiting(Waiting *waiting, int k, unsigned lanes) {
+  uint64_t *words = waiting->words + k / WORD;
+  const int shift = k % WORD;
+  words[0] &= ~((uint64_t)lanes << shift);
+  words[1] &= ~((uint64_t)lanes >> 1 >> (WORD - 1 - shift));
+}
+
+/* Matches side by side, from source column x on. */
+static void store_matches(StyMatch *matches, unsigned lanes, int x, uint64_t rest) {
+  const __m256i bits = spread_bits(lanes), all = _mm256_set1_epi64x((long long)(rest + (unsigned)x));
+  const __m256i low = _mm256_cvtepi32_epi64(_mm256_castsi256_si128(bits));
+  const __m256i high = _mm256_cvtepi32_epi64(_mm256_extracti128_si256(bits, 1));
+  _mm256_maskstore_epi64((long long *)(void *)matches, low, _mm256_add_epi64(all, _mm256_setr_epi64x(0, 1, 2, 3)));
+  _mm256_maskstore_epi64((long long *)(void *)(matches + 4), high,
+                         _mm256_add_epi64(all, _mm256_setr_epi64x(4, 5, 6, 7)));
 }
 
 static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting) {
@@ -98,6 +104,8 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
   const int begin = segment->a > -x0 ? segment->a : -x0;
   const int end = segment->b < source->width - x0 ? segment->b : source->width - x0;
   const unsigned char *row = source->guide + (size_t)y * (size_t)source->width * 4;
+  const uint64_t rest = (uint64_t)y << 16 | (uint64_t)(unsigned)segment->level << 32 |
+                        (uint64_t)(unsigned)proposal->lighting << 40 | (uint64_t)source->number << 48;
   for (int k = begin; k < end; k += LANES) {
     const unsigned lanes = get_lanes(end - k) & get_waiting(waiting, k);
     if (lanes == 0) continue;
@@ -111,7 +119,9 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
       error = _mm256_add_epi32(error, _mm256_mullo_epi32(difference, _mm256_set1_epi32(source->luma_weight)));
     }
     const unsigned low = gather_bits(_mm256_cmpgt_epi32(_mm256_set1_epi32(source->threshold), error));
-    serve(run, segment, k, lanes & low & test_coverage(texels), x0 + k, y, waiting);
+    const unsigned taken = lanes & low & test_coverage(texels);
+    store_matches(run->matches + k, taken, x0 + k, rest);
+    remove_waiting(waiting, k, taken);
   }
 }
 
@@ -136,7 +146,26 @@ static void choose_seeds(const SeedGrid *grid, int y, int k0, int k1, NearSeed *
   }
 }
 
+static void place_offsets(const StySeedOffset *offsets, int k0, int k1, NearSeed *out) {
+  for (int k = k0; k < k1; k += LANES) {
+    int64_t pairs[2] = {0, 0};
+    memcpy(pairs, offsets + k, sizeof *offsets * (size_t)(k1 - k < LANES ? k1 - k : LANES));
+    const __m256i ways = _mm256_cvtepi8_epi16(_mm_set_epi64x(pairs[1], pairs[0]));
+    _mm256_maskstore_epi32((int *)(void *)(out + k), spread_bits(get_lanes(k1 - k)),
+                           _mm256_add_epi16(ways, count_up(k)));
+  }
+}
+
+static int finish_run(const Run *run, int level, Waiting *waiting) {
+  (void)run;
+  (void)waiting;
+  return level;
+}
+
+#define UNIT(name) sty_##name##_avx2
 #include "runs_plain.h"
+#include "runs_seeds.h"
+#include "runs_segments.h"
 
 static void compare_voters(const Voter *a, const Voter *b, uint64_t bits[COLUMN_WORDS]) {
   for (int word = 0; word < COLUMN_WORDS; word++) {
@@ -149,7 +178,6 @@ static void compare_voters(const Voter *a, const Voter *b, uint64_t bits[COLUMN_
   }
 }
 
-#define UNIT(name) sty_##name##_avx2
 #include "blend_body.h"
 #include "runs_body.h"
 

@@ -3,6 +3,7 @@
 
 #include <immintrin.h>
 
+#include "segments.h"
 #include "voters.h"
 
 enum { LANES = 16 };
@@ -157,6 +158,9 @@ static void empty_matches(StyMatch *matches, int count) {
   for (int k = 0; k < count; k += 8)
     _mm512_mask_storeu_epi64(matches + k, (__mmask8)get_lanes(count - k), _mm512_set1_epi64(bits));
 }
+
+#define UNIT(name) sty_##name##_avx512
+#include "runs_seeds.h"
 
 /* ---- low levels: seeds differ from pixel to pixel, so what is left is gathered ---- */
 
@@ -320,8 +324,6 @@ static bool can_gather(const Run *run, int level) {
          !run->frame->anchors && !run->source->style.scatter;
 }
 
-static void find_seeds(const Run *run, int level, int k0, int k1, SeedRow out);
-
 static int finish_run(const Run *run, int level, Waiting *waiting) {
   if (!can_gather(run, level)) return level;
   int32_t places[RUN_LENGTH + LANES];
@@ -345,6 +347,8 @@ static int finish_run(const Run *run, int level, Waiting *waiting) {
   }
   return -1;
 }
+
+#include "runs_segments.h"
 
 /* ---- blending ---- */
 
@@ -551,7 +555,6 @@ static int blend_group(Strip *strip, const Pixel *pixel, const uint64_t alike[CO
   return count;
 }
 
-#define UNIT(name) sty_##name##_avx512
 #include "blend_body.h"
 #include "runs_body.h"
 

@@ -7,16 +7,6 @@ static int count_alike(const uint8_t *guide, int most) {
   return count;
 }
 
-static int measure_segment(const NearSeed *seeds, int count) {
-  int length = 1;
-  while (length < count && seeds[length].x == seeds->x && seeds[length].y == seeds->y) length++;
-  return length;
-}
-
-static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting) {
-  try_pixels_singly(run, segment, waiting);
-}
-
 /* Less k*k, the squared distance from pixel k is linear in k. Counted in sixteenths it leaves room for the seed's
  * number in the order of the reference's loops, so that the least value names the seed that they would find. */
 static void choose_in_cell(const SeedGrid *grid, int y, int cell, int k0, int k1, NearSeed *out) {
@@ -47,6 +37,66 @@ static void choose_seeds(const SeedGrid *grid, int y, int k0, int k1, NearSeed *
   }
 }
 
+static void place_offsets(const StySeedOffset *offsets, int k0, int k1, NearSeed *out) {
+  for (int k = k0; k < k1; k++) out[k] = (NearSeed){(int16_t)(k + offsets[k].x), offsets[k].y};
+}
+
+#define UNIT(name) sty_##name##_portable
+#include "runs_seeds.h"
+
+/* Neighbours mostly share a seed, and what it proposes. */
+typedef struct Remembered {
+  NearSeed seed;
+  Proposal proposal;
+} Remembered;
+
+static void ask_seed(const Run *run, NearSeed seed, int level, Remembered *last) {
+  const Point in_frame = {run->x + seed.x, run->y + seed.y};
+  const Point in_grid = {in_frame.x - run->anchor.x, in_frame.y - run->anchor.y};
+  last->seed = seed;
+  last->proposal = propose(run->source, run->frame, in_frame, in_grid, level);
+  /* The pixels of a run have one object, where that matters. */
+  if (run->frame->anchors && last->proposal.object != get_object(run->frame, run->first))
+    last->proposal.is_made = false;
+}
+
+/* Serves those of `count` pixels that take what their seeds propose; how many are left. */
+static int try_level(const Run *run, int level, const SeedRow seeds, int16_t *places, int count) {
+  const Source *source = run->source;
+  Remembered last = {.seed = seeds[places[0]]};
+  int left = 0;
+  ask_seed(run, last.seed, level, &last);
+  for (int i = 0; i < count; i++) {
+    const int k = places[i];
+    if (seeds[k].x != last.seed.x || seeds[k].y != last.seed.y) ask_seed(run, seeds[k], level, &last);
+    const Proposal *proposal = &last.proposal;
+    const Point candidate = {proposal->found.x + to_source(source, k - last.seed.x),
+                             proposal->found.y + to_source(source, -last.seed.y)};
+    if (proposal->is_made && accepts(source, run->frame, run->first + (size_t)k, candidate, proposal->lighting))
+      run->matches[k] = (StyMatch){.x = (uint16_t)candidate.x,
+                                   .y = (uint16_t)candidate.y,
+                                   .level = (uint8_t)level,
+                                   .layer = (uint8_t)proposal->lighting,
+                                   .style = source->number};
+    else
+      places[left++] = (int16_t)k;
+  }
+  return left;
+}
+
+static void match_run(const Run *run) {
+  int16_t places[RUN_LENGTH];
+  SeedRow seeds;
+  int count = run->length;
+  for (int k = 0; k < count; k++) places[k] = (int16_t)k;
+  for (int level = run->source->style.top_level; level >= 0 && count > 0; level--) {
+    find_seeds(run, level, places[0], places[count - 1] + 1, seeds);
+    count = try_level(run, level, seeds, places, count);
+  }
+  for (int i = 0; i < count; i++)
+    run->matches[places[i]] = fall_back(run->source, run->frame, run->first + (size_t)places[i]);
+}
+
 #include "runs_plain.h"
 
 static void compare_voters(const Voter *a, const Voter *b, uint64_t bits[COLUMN_WORDS]) {
@@ -56,6 +106,5 @@ static void compare_voters(const Voter *a, const Voter *b, uint64_t bits[COLUMN_
   }
 }
 
-#define UNIT(name) sty_##name##_portable
 #include "blend_body.h"
 #include "runs_body.h"
