@@ -1,7 +1,7 @@
 #include "passes.h"
 
-/* Frames are worked on in squares of so many pixels a side. */
-enum { TILE = 64 };
+/* Frames are worked on in bands of so many rows: runs of pixels are longest there. */
+enum { BAND = 32 };
 
 typedef struct Pass {
   const StyBundle *bundle;
@@ -12,25 +12,23 @@ typedef struct Pass {
   void *picture;
 } Pass;
 
-typedef struct Tiles {
+typedef struct Bands {
   int width, height;
   PassRect *pass;
   void *context;
-} Tiles;
+} Bands;
 
-static StyStatus pass_tile(void *context, long i, StyError *error) {
-  const Tiles *tiles = context;
-  const int across = (tiles->width + TILE - 1) / TILE, x = (int)(i % across) * TILE, y = (int)(i / across) * TILE;
-  const StyRect rect = {x, y, x + TILE < tiles->width ? x + TILE : tiles->width,
-                        y + TILE < tiles->height ? y + TILE : tiles->height};
-  const StyRuntimeStatus status = tiles->pass(tiles->context, rect);
+static StyStatus pass_band(void *context, long i, StyError *error) {
+  const Bands *bands = context;
+  const int y = (int)i * BAND;
+  const StyRect rect = {0, y, bands->width, y + BAND < bands->height ? y + BAND : bands->height};
+  const StyRuntimeStatus status = bands->pass(bands->context, rect);
   return status ? sty_fail(error, STY_ERROR_LIBRARY, "runtime: %s", sty_describe_runtime_status(status)) : STY_OK;
 }
 
 StyStatus pass_rects(int width, int height, PassRect *pass, void *context, const StyRun *run, StyError *error) {
-  Tiles tiles = {width, height, pass, context};
-  const long count = (long)((width + TILE - 1) / TILE) * ((height + TILE - 1) / TILE);
-  return sty_parallel_for(run, count, pass_tile, &tiles, error);
+  Bands bands = {width, height, pass, context};
+  return sty_parallel_for(run, (height + BAND - 1) / BAND, pass_band, &bands, error);
 }
 
 static StyRuntimeStatus transfer_rect(void *context, StyRect rect) {

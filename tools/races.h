@@ -20,7 +20,7 @@ typedef struct RaceRow {
   char reference[64];    /* its variant, or what makes it differ; "" without one */
 } RaceRow;
 
-enum { MOST_RACE_ROWS = 96 };
+enum { MOST_RACE_ROWS = 128 };
 
 typedef struct RaceResults {
   RaceRow rows[MOST_RACE_ROWS];

@@ -1,7 +1,7 @@
 /* The fast form of sty_blend_frame, for the files that include it (see runs_body.h). Most of a picture is the inside of
  * chunks, where all votes are for the same source pixel. Neighbours that vote alike are found a row at a time, as bits;
  * pixels whose whole window is alike copy their match, the others count each distinct vote once, with its weight.
- * Before including this a file defines
+ * Before including this a file defines UNIT and count_alike (see runs_body.h) and
  *   static void collect_voters(const Blend *, size_t index, int x, int y, int count, Voter *out): from (x, y) on;
  *   static int blend_group(Strip *, const Pixel *, const uint64_t alike[COLUMN_WORDS]): may blend the pixel and some to
  *     its right; how many.
@@ -14,12 +14,19 @@ static void fill_row(Strip *strip, int y) {
   VoterRow *row = get_row(strip, y);
   const int from = strip->x0 < 0 ? -strip->x0 : 0;
   const int to = frame->width - strip->x0 < COLUMNS ? frame->width - strip->x0 : COLUMNS;
-  if (from > 0 || to < COLUMNS) memset(row->voters, 0, sizeof row->voters);
-  collect_voters(strip->blend, get_pixel_index(frame, strip->x0 + from, y), strip->x0 + from, y, to - from,
-                 row->voters + from);
+  const size_t index = get_pixel_index(frame, strip->x0 + from, y);
+  const uint8_t *guide = frame->guide + 4 * index;
+  row->is_empty = guide[3] == 0 && count_alike(guide, to - from) == to - from;
+  if (row->is_empty || from > 0 || to < COLUMNS) memset(row->voters, 0, sizeof row->voters);
+  if (row->is_empty && y > strip->first && get_row(strip, y - 1)->is_empty) {
+    memset(row->like_left, 0xFF, sizeof row->like_left);
+    memset(row->like_above, 0xFF, sizeof row->like_above);
+    return;
+  }
+  if (!row->is_empty) collect_voters(strip->blend, index, strip->x0 + from, y, to - from, row->voters + from);
   compare_voters(row->voters + 1, row->voters, row->like_left);
-  for (int word = COLUMN_WORDS - 1; word >= 0;
-       word--) /* column 0 has no left: what was found of column 1 is its bit 0 */
+  /* Column 0 has no left: what was found of column 1 is its bit 0. */
+  for (int word = COLUMN_WORDS - 1; word >= 0; word--)
     row->like_left[word] = row->like_left[word] << 1 | (word > 0 ? row->like_left[word - 1] >> (WORD - 1) : 0);
   if (from > 0) set_bits(row->like_left, 0, from + 1);
   if (to < COLUMNS) set_bits(row->like_left, to, COLUMNS);
@@ -161,15 +168,20 @@ static StyRuntimeStatus blend_row(Strip *strip, int y, OpenSources *open) {
   const Blend *blend = strip->blend;
   const StyFrame *frame = blend->frame;
   const VoterRow *row = get_row(strip, y);
+  const size_t size = 4 * (size_t)blend->bits / 8;
   uint64_t alike[COLUMN_WORDS];
   int radius = -1;
+  if (row->is_empty) {
+    memset((char *)blend->out + get_pixel_index(frame, strip->x0 + strip->begin, y) * size, 0,
+           (size_t)(strip->end - strip->begin) * size);
+    return STY_RUNTIME_OK;
+  }
   for (int k = strip->begin; k < strip->end;) {
     Pixel pixel = {strip->x0 + k, y, get_pixel_index(frame, strip->x0 + k, y), NULL};
     const int style = row->voters[k].tag & 511;
     if (style == 0) {
       const int left = strip->end - k, stretch = 1 + count_ones(row->like_left, k + 1);
       const int count = stretch < left ? stretch : left;
-      const size_t size = 4 * (size_t)blend->bits / 8;
       memset((char *)blend->out + pixel.index * size, 0, (size_t)count * size);
       k += count;
       continue;

@@ -352,27 +352,37 @@ static int finish_run(const Run *run, int level, Waiting *waiting) {
 
 /* ---- blending ---- */
 
-/* Eight pixels of one style and no objects. */
+/* The styles of eight pixels, as get_pixel_style where they are covered. */
+static __m512i get_styles(const Blend *blend, size_t index, __mmask8 lanes) {
+  if (!blend->frame->styles) return _mm512_set1_epi64(blend->frame->style);
+  const __m128i bytes = _mm_maskz_loadu_epi8(lanes, blend->frame->styles + index);
+  const __m512i styles = _mm512_cvtepu8_epi64(bytes);
+  return _mm512_maskz_mov_epi64(_mm512_cmple_epu64_mask(styles, _mm512_set1_epi64(count_styles(blend->bundle))),
+                                styles);
+}
+
+/* Eight pixels, as get_voter. */
 static __m512i make_voters(const Blend *blend, size_t index, int x, int y, __mmask8 lanes) {
   const __m256i guide = _mm256_maskz_loadu_epi32(lanes, blend->frame->guide + 4 * index);
-  const __mmask8 covered = _mm256_mask_test_epi32_mask(lanes, guide, _mm256_set1_epi32((int)0xFF000000u));
-  if (covered == 0) return _mm512_setzero_si512(); /* matches aren't even read */
-  const __m512i matches = _mm512_maskz_loadu_epi64(covered, blend->matches + index);
+  __mmask8 stylized = _mm256_mask_test_epi32_mask(lanes, guide, _mm256_set1_epi32((int)0xFF000000u));
+  if (stylized == 0) return _mm512_setzero_si512(); /* matches aren't even read */
+  const __m512i styles = get_styles(blend, index, stylized);
+  stylized = _mm512_mask_test_epi64_mask(stylized, styles, styles);
+  const __m512i matches = _mm512_maskz_loadu_epi64(stylized, blend->matches + index);
   const __m512i place = _mm512_add_epi64(_mm512_set1_epi64((x & 0xFFFF) | (long long)(y & 0xFFFF) << 16),
                                          _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7));
   const __m512i way = _mm512_and_si512(_mm512_sub_epi16(matches, place), _mm512_set1_epi64(0xFFFFFFFF));
   const __m512i layer = _mm512_min_epu64(_mm512_and_si512(_mm512_srli_epi64(matches, 40), _mm512_set1_epi64(255)),
                                          _mm512_set1_epi64(STY_MAX_LIGHTINGS));
-  const __m512i tag =
-      _mm512_add_epi64(_mm512_slli_epi64(layer, 32 + 9), _mm512_set1_epi64((long long)blend->frame->style << 32));
-  return _mm512_maskz_or_epi64(covered, way, tag);
+  __m512i kind = _mm512_add_epi64(_mm512_slli_epi64(layer, 9), styles);
+  if (blend->frame->objects) {
+    const __m128i objects = _mm_maskz_loadu_epi16(stylized, blend->frame->objects + index);
+    kind = _mm512_or_si512(kind, _mm512_slli_epi64(_mm512_cvtepu16_epi64(objects), 16));
+  }
+  return _mm512_maskz_or_epi64(stylized, way, _mm512_slli_epi64(kind, 32));
 }
 
 static void collect_voters(const Blend *blend, size_t index, int x, int y, int count, Voter *out) {
-  if (blend->frame->styles || blend->frame->objects) {
-    for (int k = 0; k < count; k++) out[k] = get_voter(blend, index + (size_t)k, x + k, y);
-    return;
-  }
   for (int k = 0; k < count; k += 8) {
     const __mmask8 lanes = (__mmask8)get_lanes(count - k);
     _mm512_mask_storeu_epi64(out + k, lanes, make_voters(blend, index + (size_t)k, x + k, y, lanes));
@@ -412,7 +422,7 @@ static void load_voters(const Voter *voters, int count, __m512i *places, __m512i
 }
 
 /* Asks those that vote otherwise than the ones before for the pixels at `here`, x and y of 16 bits each. */
-static void poll(const Source *source, __mmask16 lanes, __m512i places, __m512i kinds, __m512i here, Polled *polled) {
+static void ask(const Source *source, __mmask16 lanes, __m512i places, __m512i kinds, __m512i here, Polled *polled) {
   const __mmask16 changed = _mm512_mask_cmpneq_epi32_mask(lanes, places, polled->places) |
                             _mm512_mask_cmpneq_epi32_mask(lanes, kinds, polled->kinds);
   polled->places = _mm512_mask_mov_epi32(polled->places, lanes, places);
@@ -450,32 +460,58 @@ static void add_polled(const Polled *polled, __mmask16 lanes, Tallies *tallies) 
   tallies->votes = _mm512_mask_add_epi32(tallies->votes, lanes, tallies->votes, _mm512_set1_epi32(1));
 }
 
-/* One row's votes for sixteen pixels from column k on. */
-static void poll_row(Strip *strip, const Pixel *pixel, __mmask16 lanes, int ny, Tallies *tallies) {
+/* Sixteen pixels and who was asked for them: themselves, and the last of others. Few chunks meet in a window. */
+typedef struct Poll {
+  const Pixel *pixel;
+  __mmask16 lanes;
+  __m512i here; /* x and y */
+  Polled own, other;
+} Poll;
+
+static Poll begin_poll(Strip *strip, const Pixel *pixel, int count) {
+  Poll poll = {.pixel = pixel, .lanes = get_lanes(count)};
+  __m512i places, kinds;
+  poll.here = _mm512_add_epi16(_mm512_set1_epi32((pixel->x & 0xFFFF) | pixel->y << 16), count_up(0));
+  poll.own.places = poll.own.kinds = poll.own.texels = _mm512_setzero_si512();
+  poll.other = poll.own;
+  load_voters(get_row(strip, pixel->y)->voters + pixel->x - strip->x0, count, &places, &kinds);
+  ask(pixel->source, poll.lanes, places, kinds, poll.here, &poll.own);
+  return poll;
+}
+
+/* The votes of the neighbours at one place of the window. */
+static void poll_neighbours(const Poll *poll, Polled *other, __mmask16 voting, __m512i places, __m512i kinds,
+                            Tallies *tallies) {
+  const __mmask16 as_own = _mm512_mask_cmpeq_epi32_mask(voting, places, poll->own.places) &
+                           _mm512_mask_cmpeq_epi32_mask(voting, kinds, poll->own.kinds);
+  ask(poll->pixel->source, voting & (__mmask16)~as_own, places, kinds, poll->here, other);
+  const Polled both = {.valid = (poll->own.valid & as_own) | (other->valid & (__mmask16)~as_own),
+                       .texels = _mm512_mask_mov_epi32(other->texels, as_own, poll->own.texels)};
+  add_polled(&both, voting, tallies);
+}
+
+/* One row's votes. */
+static void poll_row(Strip *strip, Poll *poll, int ny, Tallies *tallies) {
   const Blend *blend = strip->blend;
+  const Pixel *pixel = poll->pixel;
   const Source *source = pixel->source;
-  const VoterRow *row = get_row(strip, ny);
-  const int radius = source->style.radius, k = pixel->x - strip->x0, count = __builtin_popcount(lanes);
+  const Voter *voters = get_row(strip, ny)->voters + pixel->x - strip->x0;
+  const int radius = source->style.radius, count = __builtin_popcount(poll->lanes);
   const bool has_depth = blend->frame->depth && source->style.depth_tolerance != 0;
   const bool has_objects = source->style.flags & STY_FLAG_OBJECTS;
-  const __m512i here = _mm512_add_epi16(_mm512_set1_epi32((pixel->x & 0xFFFF) | pixel->y << 16), count_up(0));
-  __m512i own_places, own_kinds = _mm512_setzero_si512();
-  if (has_objects) load_voters(get_row(strip, pixel->y)->voters + k, count, &own_places, &own_kinds);
-  Polled polled = {_mm512_setzero_si512(), _mm512_setzero_si512(), 0, _mm512_setzero_si512()};
   for (int o = -radius; o <= radius; o++) {
     __m512i places, kinds;
-    load_voters(row->voters + k + o, count, &places, &kinds);
-    __mmask16 voting = _mm512_mask_cmpeq_epi32_mask(lanes, _mm512_and_si512(kinds, _mm512_set1_epi32(511)),
+    load_voters(voters + o, count, &places, &kinds);
+    __mmask16 voting = _mm512_mask_cmpeq_epi32_mask(poll->lanes, _mm512_and_si512(kinds, _mm512_set1_epi32(511)),
                                                     _mm512_set1_epi32(source->number + 1));
     if (has_objects) {
-      const __m512i difference = _mm512_srli_epi32(_mm512_xor_si512(kinds, own_kinds), 16);
+      const __m512i difference = _mm512_srli_epi32(_mm512_xor_si512(kinds, poll->own.kinds), 16);
       voting = _mm512_mask_cmpeq_epi32_mask(voting, difference, _mm512_setzero_si512());
     }
     if (has_depth && (ny != pixel->y || o != 0))
       voting = find_near(blend, source->style.depth_tolerance, pixel->index,
                          get_pixel_index(blend->frame, pixel->x, ny) + (size_t)(ptrdiff_t)o, voting);
-    poll(source, voting, places, kinds, here, &polled);
-    add_polled(&polled, voting, tallies);
+    poll_neighbours(poll, &poll->other, voting, places, kinds, tallies);
   }
 }
 
@@ -544,8 +580,9 @@ static int blend_group(Strip *strip, const Pixel *pixel, const uint64_t alike[CO
   const int count = measure_group(strip, pixel, alike);
   Tallies tallies;
   memset(&tallies, 0, sizeof tallies);
+  Poll poll = begin_poll(strip, pixel, count);
   for (int ny = pixel->y > radius ? pixel->y - radius : 0; ny <= pixel->y + radius && ny < height; ny++)
-    poll_row(strip, pixel, get_lanes(count), ny, &tallies);
+    poll_row(strip, &poll, ny, &tallies);
   poll_self(source, blend, pixel->index, get_lanes(count), &tallies);
   /* The votes of the largest radius don't fit the floats that write_plain divides. */
   if (blend->bits == 8 && radius < STY_MAX_RADIUS && !(blend->frame->albedo && source->colour_weight))

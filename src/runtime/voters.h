@@ -18,6 +18,7 @@ enum { STRIP = COLUMNS - 2 * MARGIN, RING = 2 * STY_MAX_RADIUS + 2 };
 typedef struct VoterRow {
   Voter voters[COLUMNS + 1];
   uint64_t like_left[COLUMN_WORDS], like_above[COLUMN_WORDS];
+  bool is_empty; /* nothing is covered */
 } VoterRow;
 
 /* Columns x0 .. x0+COLUMNS-1 of the frame, MARGIN of them on either side of a strip of the rectangle; rows y at y
