@@ -164,8 +164,8 @@ endef
 $(foreach pass,$(GLSL_PASSES),$(eval $(call assemble_pass,$(pass))))
 
 # The shaders' twins are held together on Mesa's software renderer.
-$(BUILD)/tests/shaders/test_shaders: LIBRARIES += -lepoxy
-$(BUILD)/tests/shaders/test_shaders: | $(SHADERS)
+$(BUILD)/tests/shaders/%: LIBRARIES += -lepoxy
+$(BUILD)/tests/shaders/test_shaders $(BUILD)/tests/shaders/draw_frame: | $(SHADERS)
 
 $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
 	$(LINK) $(call look_in,../..) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -lcmocka
@@ -209,7 +209,7 @@ run-demo: $(TOOL) $(MODULE)
 .PHONY: test run-tests
 test: ensure-test-packages ## run every test (under 15 minutes on two cores)
 	@$(MAKE) --no-print-directory run-tests
-run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh
+run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/shaders/draw_frame $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
 
 .PHONY: fuzz run-fuzz
