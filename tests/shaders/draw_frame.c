@@ -30,7 +30,8 @@ static const uint8_t *encode_guide(const StyImage *image) {
   return guide;
 }
 
-/* Every style in a band of its own; objects with anchors; albedo in whatever encoding, since bytes are bytes here. */
+/* Bands of 16 columns take turns at the styles; objects with anchors; albedo in whatever encoding, since bytes are
+ * bytes here. */
 static StyFrame make_frame(const StyImage *image, int style_count) {
   static const int32_t anchors[2 * OBJECTS] = {0, 0, 37, -12};
   static const char *const colours[] = {"albedo.R", "albedo.G", "albedo.B"};
@@ -42,7 +43,7 @@ static StyFrame make_frame(const StyImage *image, int style_count) {
   uint16_t *objects = allocate(pixels, sizeof *objects);
   for (size_t i = 0; i < pixels; i++) {
     fine[2 * i] = x[i], fine[2 * i + 1] = y[i];
-    styles[i] = (uint8_t)(1 + i % (size_t)image->width * (size_t)style_count / (size_t)image->width);
+    styles[i] = (uint8_t)(1 + i % (size_t)image->width / 16 % (size_t)style_count);
     luma[i] = round_byte(light[i]);
     objects[i] = (uint16_t)ids[i];
     for (size_t c = 0; c < 3; c++) albedo[4 * i + c] = round_byte(get_channel(image, colours[c])[i]);
