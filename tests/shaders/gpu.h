@@ -74,7 +74,7 @@ static const Format formats[UNITS] = {
     {"double_picture", GL_TEXTURE_2D, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE},
 };
 
-/* Leaves the texture bound to its unit. texels: NULL for zeros nobody reads. */
+/* Leaves the texture bound to its unit. texels: NULL for whatever, as targets and what nobody reads have it. */
 static inline GLuint upload(int unit, int width, int height, int layers, const void *texels) {
   const Format *format = &formats[unit];
   GLuint texture;

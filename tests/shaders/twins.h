@@ -33,6 +33,7 @@ static inline GLuint upload_anchors(const StyFrame *frame) {
   return texture;
 }
 
+/* What isn't there gets a texture all the same: the renderer would compile a pass anew for each set of empty units. */
 static inline Twins open_twins(const Gpu *gpu, const StyBundle *bundle, const StyFrame *frame) {
   Twins twins = {.gpu = gpu, .bundle = bundle, .frame = frame};
   for (int file = 0; file < STY_BUNDLE_FILES; file++) {
