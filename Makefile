@@ -13,6 +13,7 @@ libdir = $(prefix)/lib
 moduledir = $(prefix)/lib
 includedir = $(prefix)/include
 docdir = $(prefix)/share/doc/stylut
+glsldir = $(prefix)/share/stylut/glsl
 
 ifeq ($(origin CC),default)
 CC = gcc
@@ -26,7 +27,8 @@ AR ?= ar
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils \
+  libepoxy-dev libegl-dev libegl1 libgles2 libgl1 libgl1-mesa-dri
 BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels time
 STYLE_PACKAGES = clang-format shellcheck
 
@@ -66,7 +68,8 @@ RUNTIME_SOURCES = $(wildcard src/runtime/*.c)
 MODULE_SOURCES = src/bridge/oiio.cpp src/bridge/oiio_texture.cpp src/bridge/quiet_png.c
 LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES) $(MODULE_SOURCES),$(wildcard src/*/*.c src/bridge/*.cpp))
 TOOL_SOURCES = $(wildcard tools/*.c)
-TEST_SOURCES = $(wildcard tests/*/test_*.c)
+# Mesa's compiler and the sanitizers' unwinding of every allocation take hours together.
+TEST_SOURCES = $(filter-out $(if $(filter sanitize,$(config)),tests/shaders/%),$(wildcard tests/*/test_*.c))
 BENCH_SOURCES = $(wildcard tests/bench/*.c)
 
 objects = $(patsubst %,$(BUILD)/%.o,$(1))
@@ -78,6 +81,10 @@ PAINT = $(BUILD)/paint
 CREATURE = $(BUILD)/creature
 EXAMPLES = $(BUILD)/use_runtime $(BUILD)/animate_runtime
 TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
+# A shader for each dialect and pass: $(BUILD)/glsl/330/transfer.frag.
+GLSL_PASSES = transfer look_up expand blend halve
+SHADERS = $(foreach dialect,330 es300,$(BUILD)/glsl/$(dialect)/full_screen.vert \
+  $(patsubst %,$(BUILD)/glsl/$(dialect)/%.frag,$(GLSL_PASSES)))
 FUZZERS = $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 
 .DELETE_ON_ERROR:
@@ -92,7 +99,7 @@ $(shell mkdir -p $(BUILD); printf '%s' "$(subst ",\",$(STAMP_TEXT))" | cmp -s - 
   printf '%s' "$(subst ",\",$(STAMP_TEXT))" > $(STAMP))
 
 .PHONY: all
-all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(EXAMPLES) ## build the tool, the libraries and the examples
+all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(EXAMPLES) $(SHADERS) ## build the tool, the libraries, shaders and the examples
 
 $(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY)
 	$(LINK) $(call look_in,. ../lib) -o $@ $^ $(LIBRARIES)
@@ -151,6 +158,22 @@ $(CREATURE): $(call objects,exemplars/creature.c) $(LIBRARY)
 $(EXAMPLES): $(BUILD)/%: $(BUILD)/exemplars/%.c.o $(RUNTIME_LIBRARY)
 	$(CC) $(OPTIMIZE_$(config)) $(LDFLAGS) -o $@ $^ -lm
 
+# The runtime's passes for graphics processors; how they are put together is said in src/runtime/glsl/README.md.
+GLSL = src/runtime/glsl
+$(BUILD)/glsl/%/full_screen.vert: $(GLSL)/head_%.glsl $(GLSL)/full_screen.glsl
+	@mkdir -p $(@D)
+	cat $^ > $@
+define assemble_pass
+$(BUILD)/glsl/%/$(1).frag: $(GLSL)/head_%.glsl $(GLSL)/common.glsl $(GLSL)/$(1).glsl
+	@mkdir -p $$(@D)
+	cat $$^ > $$@
+endef
+$(foreach pass,$(GLSL_PASSES),$(eval $(call assemble_pass,$(pass))))
+
+# The shaders' twins are held together on Mesa's software renderer.
+$(BUILD)/tests/shaders/%: LIBRARIES += -lepoxy
+$(BUILD)/tests/shaders/test_shaders $(BUILD)/tests/shaders/draw_frame: | $(SHADERS)
+
 $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
 	$(LINK) $(call look_in,../..) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -lcmocka
 
@@ -193,7 +216,7 @@ run-demo: $(TOOL) $(MODULE)
 .PHONY: test run-tests
 test: ensure-test-packages ## run every test (under 15 minutes on two cores)
 	@$(MAKE) --no-print-directory run-tests
-run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh
+run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/shaders/draw_frame $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
 
 .PHONY: fuzz run-fuzz
@@ -280,6 +303,9 @@ install: all ## install under $(prefix), with DESTDIR
 	install -m 644 $(MODULE) $(DESTDIR)$(moduledir)/
 	install -m 644 include/stylut/*.h $(DESTDIR)$(includedir)/stylut/
 	install -m 644 LICENSE README.md CHANGELOG.md $(DESTDIR)$(docdir)/
+	install -d $(DESTDIR)$(glsldir)/330 $(DESTDIR)$(glsldir)/es300
+	install -m 644 $(GLSL)/* $(DESTDIR)$(glsldir)/
+	$(foreach dialect,330 es300,install -m 644 $(BUILD)/glsl/$(dialect)/* $(DESTDIR)$(glsldir)/$(dialect)/;)
 	$(call pkgconfig,stylut_rt,runtime of stylut: reads bundles and stylizes frames,-lstylut_rt -lm)
 	$(call pkgconfig,stylut,guides$(comma) look-up tables and bundles for example-based stylization,-lstylut -lstylut_rt $(LIBRARIES) -fopenmp -Wl$(comma)--disable-new-dtags$(comma)-rpath$(comma)$(moduledir))
 
@@ -291,7 +317,7 @@ uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(bindir)/stylut $(DESTDIR)$(libdir)/libstylut.a $(DESTDIR)$(libdir)/libstylut_rt.a \
 	  $(DESTDIR)$(moduledir)/libstylut_oiio.so
 	rm -f $(DESTDIR)$(libdir)/pkgconfig/libstylut.pc $(DESTDIR)$(libdir)/pkgconfig/libstylut_rt.pc
-	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
+	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir) $(DESTDIR)$(prefix)/share/stylut
 
 .PHONY: clean
 clean: ## remove build/

@@ -1,5 +1,6 @@
 // Opens a page in headless Chromium and says what happened, as JSON on stdout:
-//   node browse.mjs PAGE[#hash] [--eval EXPRESSION] [--shot FILE.png] [--size WIDTHxHEIGHT] [--full]
+//   node browse.mjs PAGE[#hash] [--eval EXPRESSION] [--shot FILE.png] [--size WIDTHxHEIGHT] [--full] [--graphics FLAGS]
+// PAGE is a file or an address; FLAGS say how Chromium draws.
 // {"ready", "errors": [...], "requests": [...], "value"}; requests are all but the
 // page itself and data: addresses. The protocol goes through a pipe, so that
 // nothing beyond node and chromium is needed.
@@ -18,12 +19,12 @@ for (let i = 2; i < process.argv.length; i++) {
 }
 const [width, height] = (options.size || '1280x800').split('x').map(Number)
 const [path, hash] = places[0].split(/#(.*)/s)
-const address = pathToFileURL(resolve(path)).href
+const address = path.startsWith('http:') ? path : pathToFileURL(resolve(path)).href
 
 const profile = mkdtempSync(join(tmpdir(), 'browse-'))
 // Run as root, as in containers, Chromium refuses its sandbox; the page is ours.
 const browser = spawn(process.env.CHROMIUM || 'chromium',
-  ['--headless', '--no-sandbox', '--disable-gpu', '--hide-scrollbars', '--disable-dev-shm-usage', '--disable-extensions',
+  ['--headless', '--no-sandbox', ...(options.graphics || '--disable-gpu').split(' '), '--hide-scrollbars', '--disable-dev-shm-usage', '--disable-extensions',
     '--disable-background-networking', `--user-data-dir=${profile}`, '--remote-debugging-pipe', 'about:blank'],
   { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], env: { ...process.env, HOME: profile } })
 const ended = new Promise(done => browser.on('exit', done))

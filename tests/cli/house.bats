@@ -85,7 +85,8 @@ compile_with() {
   run_make install DESTDIR="$PWD/stage" prefix=/usr >make.log 2>&1 || { complain "make install: $(tail -n 3 make.log)"; return 1; }
   local file
   for file in bin/stylut lib/libstylut.a lib/libstylut_rt.a lib/libstylut_oiio.so lib/pkgconfig/libstylut.pc lib/pkgconfig/libstylut_rt.pc \
-    include/stylut/runtime.h share/doc/stylut/LICENSE; do
+    include/stylut/runtime.h share/doc/stylut/LICENSE share/stylut/glsl/README.md share/stylut/glsl/common.glsl \
+    share/stylut/glsl/330/transfer.frag share/stylut/glsl/es300/full_screen.vert; do
     [ -s "stage/usr/$file" ] || complain "usr/$file isn't installed"
   done
   ! grep -rqF "$PWD" stage/usr/lib/pkgconfig || complain "pkg-config files hold the staging folder"

@@ -62,6 +62,6 @@ const byVk = (vk) => formats.find((format) => format.vk === vk);
 check(join(bundle, 'exemplars.ktx2'), byVk(43), width, height, styles);
 check(join(bundle, 'guides.ktx2'), byVk(37), width, height, styles);
 check(join(bundle, 'luts.ktx2'), byVk(77), lut, lut, styles);
-check(join(bundle, 'params.ktx2'), byVk(109), styles, 4, 1);
+check(join(bundle, 'params.ktx2'), byVk(109), styles, 5, 1);
 check(join(bundle, 'jitter.ktx2'), byVk(16), 256, 256, 1);
 console.log(`${count + 5} files read`);

@@ -4,14 +4,9 @@ set -euo pipefail
 build=$1
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
-modules=$build/tests/pack/npm
-mkdir -p "$modules"
-if ! cmp -s "$here/package-lock.json" "$modules/package-lock.json"; then
-  cp "$here/package.json" "$here/package-lock.json" "$modules/"
-  npm ci --prefix "$modules" --no-audit --no-fund || { rm -f "$modules/package-lock.json"; exit 1; }
-fi
+modules=$("$here/npm.sh" "$build")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$build/tests/pack/write_ktx2" "$work"
 "$build/stylut" pack "$root/exemplars/styles.json" -o "$work/bundle" -q
-node "$here/ktx_parse.mjs" "$work" "$work/bundle" "$modules/node_modules"
+node "$here/ktx_parse.mjs" "$work" "$work/bundle" "$modules"

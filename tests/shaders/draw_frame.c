@@ -1,0 +1,134 @@
+/* A real frame through every pass: shaders beside the C path, in both dialects. Writes what another reader of the
+ * bundle needs to do the same: the frame's inputs as raw texels, the C path's matches and picture.
+ * Usage: draw_frame BUNDLE GUIDE.exr FOLDER */
+#include "stylut/guide.h"
+#include "stylut/image_io.h"
+#include "stylut/pack.h"
+#include "twins.h"
+
+enum { OBJECTS = 2, NUMBER = 3 };
+
+static void require_done(StyStatus status, const StyError *error) {
+  if (status) give_up("%s", error->text);
+}
+
+static const float *get_channel(const StyImage *image, const char *name) {
+  const float *values = sty_find_channel(image, name);
+  if (!values) give_up("the guide has no channel %s", name);
+  return values;
+}
+
+static uint8_t round_byte(float value) { return (uint8_t)(value * 255 + 0.5f); }
+
+static const uint8_t *encode_guide(const StyImage *image) {
+  StyImage *encoded = NULL;
+  StyError error;
+  uint8_t *guide = allocate(sty_count_pixels(image), 4);
+  require_done(sty_encode_normals(image, 8, &encoded, &error), &error);
+  require_done(sty_convert_to_rgba8("guide", encoded, guide, &error), &error);
+  sty_destroy_image(&encoded);
+  return guide;
+}
+
+/* Bands of 16 columns take turns at the styles; objects with anchors; albedo in whatever encoding, since bytes are
+ * bytes here. */
+static StyFrame make_frame(const StyImage *image, int style_count) {
+  static const int32_t anchors[2 * OBJECTS] = {0, 0, 37, -12};
+  static const char *const colours[] = {"albedo.R", "albedo.G", "albedo.B"};
+  const size_t pixels = sty_count_pixels(image);
+  const float *x = get_channel(image, "normal.X"), *y = get_channel(image, "normal.Y"),
+              *light = get_channel(image, "luma.Y"), *ids = get_channel(image, "object.I");
+  float *fine = allocate(pixels, 2 * sizeof *fine);
+  uint8_t *styles = allocate(pixels, 1), *luma = allocate(pixels, 1), *albedo = allocate(pixels, 4);
+  uint16_t *objects = allocate(pixels, sizeof *objects);
+  for (size_t i = 0; i < pixels; i++) {
+    fine[2 * i] = x[i], fine[2 * i + 1] = y[i];
+    styles[i] = (uint8_t)(1 + i % (size_t)image->width / 16 % (size_t)style_count);
+    luma[i] = round_byte(light[i]);
+    objects[i] = (uint16_t)ids[i];
+    for (size_t c = 0; c < 3; c++) albedo[4 * i + c] = round_byte(get_channel(image, colours[c])[i]);
+  }
+  return (StyFrame){.width = image->width,
+                    .height = image->height,
+                    .guide = encode_guide(image),
+                    .fine = fine,
+                    .depth = get_channel(image, "depth.Z"),
+                    .styles = styles,
+                    .objects = objects,
+                    .luma = luma,
+                    .albedo = albedo,
+                    .anchors = anchors,
+                    .anchor_count = OBJECTS,
+                    .number = NUMBER};
+}
+
+static void destroy_frame(const StyFrame *frame) {
+  free((void *)frame->guide);
+  free((void *)frame->fine);
+  free((void *)frame->styles);
+  free((void *)frame->objects);
+  free((void *)frame->luma);
+  free((void *)frame->albedo);
+}
+
+static FILE *create(const char *folder, const char *name) {
+  char path[PATH_MAX];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  FILE *file = fopen(path, "wb");
+  if (!file) give_up("%s cannot be written", path);
+  return file;
+}
+
+static void write_raw(const char *folder, const char *name, const void *texels, size_t size) {
+  FILE *file = create(folder, name);
+  if (fwrite(texels, 1, size, file) != size || fclose(file)) give_up("%s cannot be written", name);
+}
+
+static void write_frame(const char *folder, const StyFrame *frame, const StyMatch *matches, const uint8_t *picture) {
+  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+  int32_t anchors[2 * ANCHOR_COLUMNS] = {0};
+  memcpy(anchors, frame->anchors, 2 * (size_t)frame->anchor_count * sizeof *anchors);
+  write_raw(folder, "frame_guide", frame->guide, 4 * pixels);
+  write_raw(folder, "frame_fine", frame->fine, 8 * pixels);
+  write_raw(folder, "frame_depth", frame->depth, 4 * pixels);
+  write_raw(folder, "frame_styles", frame->styles, pixels);
+  write_raw(folder, "frame_objects", frame->objects, 2 * pixels);
+  write_raw(folder, "frame_luma", frame->luma, pixels);
+  write_raw(folder, "frame_albedo", frame->albedo, 4 * pixels);
+  write_raw(folder, "frame_anchors", anchors, sizeof anchors);
+  write_raw(folder, "matches", matches, pixels * sizeof *matches);
+  write_raw(folder, "picture", picture, 4 * pixels);
+  FILE *file = create(folder, "frame.json");
+  fprintf(file, "{\"width\": %d, \"height\": %d, \"number\": %d, \"inputs\": %d}\n", frame->width, frame->height,
+          frame->number, list_inputs(frame));
+  fclose(file);
+}
+
+static void check_dialect(const char *dialect, const StyBundle *bundle, const StyFrame *frame, StyMatch *matches,
+                          uint8_t *picture) {
+  Gpu gpu = open_gpu(dialect);
+  check_passes(&gpu, bundle, frame, matches, picture);
+  printf("%s: every pass equals its twin\n", dialect);
+  close_gpu(&gpu);
+}
+
+int main(int argc, char **argv) {
+  if (argc != 4) give_up("found %d arguments, expected BUNDLE GUIDE.exr FOLDER", argc - 1);
+  StyLoadedBundle loaded;
+  StyImage *image = NULL;
+  StyError error;
+  require_done(sty_load_bundle(argv[1], NULL, NULL, &loaded, &error), &error);
+  require_done(sty_read_image(argv[2], &image, &error), &error);
+  const StyFrame frame = make_frame(image, (int)loaded.bundle.textures[STY_BUNDLE_PARAMS].width);
+  StyMatch *matches = allocate(sty_count_pixels(image), sizeof *matches);
+  uint8_t *picture = allocate(sty_count_pixels(image), 4);
+  check_dialect("330", &loaded.bundle, &frame, matches, picture);
+  check_dialect("es300", &loaded.bundle, &frame, matches, picture);
+  write_frame(argv[3], &frame, matches, picture);
+  free(matches);
+  free(picture);
+  destroy_frame(&frame);
+  sty_destroy_image(&image);
+  sty_unload_bundle(&loaded);
+  return 0;
+}
