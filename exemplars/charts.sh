@@ -24,3 +24,4 @@ for guide in *.exr *.png; do
   sed -i "s/ *$//" "$name.svg" # the house has no trailing blanks
   mv "$name.svg" "$name.csv" "$out/"
 done
+"$here/stylize_chart.sh" "$out/bench.csv" "$out/stylize.svg"

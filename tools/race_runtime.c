@@ -267,15 +267,15 @@ enum { WAYS = 3 };
 static void enter_paths(Studio *studio, const char *row, const char *what, const uint8_t *guide, int passes) {
   char variant[64];
   const int first = studio->race.count;
-  snprintf(variant, sizeof variant, "%s, reference", what);
+  snprintf(variant, sizeof variant, "%s: reference", what);
   add_look(studio, row, variant, guide, passes, STY_PATH_REFERENCE, 1, -1, "");
   for (int i = 0; i < WAYS; i++) {
     if (!sty_has_path(ways[i].path)) continue;
-    snprintf(variant, sizeof variant, "%s, %s", what, ways[i].name);
+    snprintf(variant, sizeof variant, "%s: %s", what, ways[i].name);
     add_look(studio, row, variant, guide, passes, ways[i].path, 1, first, "reference");
   }
   const int best = studio->race.count - 1;
-  snprintf(variant, sizeof variant, "%s, 2 threads", what);
+  snprintf(variant, sizeof variant, "%s: 2 threads", what);
   add_look(studio, row, variant, guide, passes, STY_PATH_BEST, 2, best, "1 thread");
 }
 
@@ -284,9 +284,9 @@ static void enter_seeds(Studio *studio) {
   char variant[64];
   for (int i = 0; i < WAYS; i++) {
     if (!sty_has_path(ways[i].path)) continue;
-    snprintf(variant, sizeof variant, "transfer, %s", ways[i].name);
+    snprintf(variant, sizeof variant, "transfer: %s", ways[i].name);
     add_look(studio, "full", variant, studio->waves, TRANSFER, ways[i].path, 1, -1, "");
-    snprintf(variant, sizeof variant, "new jitter, %s", ways[i].name);
+    snprintf(variant, sizeof variant, "new jitter: %s", ways[i].name);
     add_look(studio, "full", variant, studio->waves, SEEDS, ways[i].path, 1, studio->race.count - 1, "transfer");
   }
 }
@@ -312,12 +312,12 @@ static void enter_styles(Studio *studio) {
   const int one = studio->race.count;
   char variant[64];
   add_look(studio, "full", "frame", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1, "");
-  Look *lit = add_look(studio, "full", "frame, four lightings", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one,
+  Look *lit = add_look(studio, "full", "frame: four lightings", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one,
                        "one lighting");
   lit->frame.style = LIT;
   lit->frame.luma = studio->luma;
   for (int i = 0; i < RADII; i++) {
-    snprintf(variant, sizeof variant, "frame, radius %d", radii[i]);
+    snprintf(variant, sizeof variant, "frame: radius %d", radii[i]);
     add_look(studio, "full", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one, "radius 1")->frame.style =
         FIRST_RADIUS + i;
   }
@@ -350,7 +350,7 @@ static StyStatus race_coverage(int repeats, const StyRun *run, RaceResults *resu
     status = open_studio(1, &studio, error);
     if (status) return status;
     keep_disc(studio->waves, shares[i]);
-    snprintf(variant, sizeof variant, "frame, %.0f %% covered", 100 * shares[i]);
+    snprintf(variant, sizeof variant, "frame: %.0f %% covered", 100 * shares[i]);
     add_look(studio, "coverage", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1, "");
     status = run_race(&studio->race, repeats, run, results, error);
     close_studio(studio);
@@ -369,7 +369,7 @@ static StyStatus race_styles(int repeats, const StyRun *run, RaceResults *result
     if (status) return status;
     for (int p = 0; p < PIXELS; p++)
       studio->styles[p] = (uint8_t)(1 + (p % WIDTH / 60 + p / WIDTH / 60 * 7) % counts[i]);
-    snprintf(variant, sizeof variant, "frame, %d styles", counts[i]);
+    snprintf(variant, sizeof variant, "frame: %d styles", counts[i]);
     add_look(studio, "styles", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1, "")->frame.styles =
         studio->styles;
     status = run_race(&studio->race, repeats, run, results, error);

@@ -55,7 +55,7 @@ expect_ratios() {
   local name engines='brute analytic flann-single flann-forest flann-auto grid'
   ! "$STYLUT" --version | grep -q 'CGAL [0-9]' || engines+=' cgal'
   for name in $engines; do grep -q "^lut.*,$name," b.csv || complain "no row of $name"; done
-  for name in 'lut 8-bit' 'guide torus 2 threads' pack 'stylize torus' 'stylize waves'; do grep -q "^$name" b.csv || complain "no row $name"; done
+  for name in 'lut 8-bit' 'guide torus 2 threads' pack 'stylize full' 'stylize coverage'; do grep -q "^$name" b.csv || complain "no row $name"; done
 }
 
 @test "as text" {
