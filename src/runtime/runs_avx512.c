@@ -152,11 +152,16 @@ static void place_offsets(const StySeedOffset *offsets, int k0, int k1, NearSeed
   }
 }
 
+/* Past the caches: nobody reads them soon. */
 static void empty_matches(StyMatch *matches, int count) {
   int64_t bits;
   memcpy(&bits, &no_match, sizeof bits);
-  for (int k = 0; k < count; k += 8)
-    _mm512_mask_storeu_epi64(matches + k, (__mmask8)get_lanes(count - k), _mm512_set1_epi64(bits));
+  const __m512i empty = _mm512_set1_epi64(bits);
+  int k = 0;
+  for (; k < count && (uintptr_t)(matches + k) % 64 != 0; k++) matches[k] = no_match;
+  for (; k + 8 <= count; k += 8) _mm512_stream_si512((void *)(matches + k), empty);
+  _mm512_mask_storeu_epi64(matches + k, (__mmask8)get_lanes(count - k), empty);
+  _mm_sfence();
 }
 
 #define UNIT(name) sty_##name##_avx512
@@ -421,23 +426,20 @@ static void load_voters(const Voter *voters, int count, __m512i *places, __m512i
   *kinds = _mm512_permutex2var_epi32(low, _mm512_add_epi32(even, _mm512_set1_epi32(1)), high);
 }
 
-/* Asks those that vote otherwise than the ones before for the pixels at `here`, x and y of 16 bits each. */
+/* Asks these voters for the pixels at `here`, x and y of 16 bits each. */
 static void ask(const Source *source, __mmask16 lanes, __m512i places, __m512i kinds, __m512i here, Polled *polled) {
-  const __mmask16 changed = _mm512_mask_cmpneq_epi32_mask(lanes, places, polled->places) |
-                            _mm512_mask_cmpneq_epi32_mask(lanes, kinds, polled->kinds);
   polled->places = _mm512_mask_mov_epi32(polled->places, lanes, places);
   polled->kinds = _mm512_mask_mov_epi32(polled->kinds, lanes, kinds);
-  if (changed == 0) return;
   const __m512i sum = _mm512_add_epi16(places, here);
   const __m512i x = _mm512_and_si512(sum, _mm512_set1_epi32(0xFFFF)), y = _mm512_srli_epi32(sum, 16);
   const __m512i layer = _mm512_and_si512(_mm512_srli_epi32(kinds, 9), _mm512_set1_epi32(127));
-  __mmask16 inside = keep_inside(keep_inside(changed, x, source->width), y, source->height);
+  __mmask16 inside = keep_inside(keep_inside(lanes, x, source->width), y, source->height);
   inside = keep_inside(inside, layer, source->style.layer_count);
   const __m512i index = _mm512_add_epi32(multiply(y, source->width), x);
   inside = test_coverage(inside, gather(inside, source->guide, index));
   const __m512i painted = _mm512_add_epi32(index, multiply(layer, (int)(source->layer_size / 4)));
   polled->texels = _mm512_mask_i32gather_epi32(polled->texels, inside, painted, source->exemplars, 4);
-  polled->valid = (polled->valid & (__mmask16)~changed) | inside;
+  polled->valid = (polled->valid & (__mmask16)~lanes) | inside;
 }
 
 static __mmask16 find_near(const Blend *blend, float tolerance, size_t own, size_t other, __mmask16 lanes) {
@@ -448,16 +450,18 @@ static __mmask16 find_near(const Blend *blend, float tolerance, size_t own, size
          _mm512_mask_cmp_ps_mask(lanes, difference, _mm512_set1_ps(tolerance), _CMP_LE_OQ);
 }
 
-static void add_polled(const Polled *polled, __mmask16 lanes, Tallies *tallies) {
-  const __m512i byte = _mm512_set1_epi32(255), alpha = _mm512_srli_epi32(polled->texels, 24);
+/* So many votes for what each was asked for. */
+static void add_polled(const Polled *polled, __mmask16 lanes, __m512i weights, Tallies *tallies) {
+  const __m512i byte = _mm512_set1_epi32(255);
+  const __m512i alpha = _mm512_mullo_epi32(_mm512_srli_epi32(polled->texels, 24), weights);
   lanes &= polled->valid;
   for (int c = 0; c < 3; c++) {
     const __m512i value = _mm512_and_si512(_mm512_srli_epi32(polled->texels, (unsigned)(8 * c)), byte);
-    const __m512i product = _mm512_madd_epi16(value, alpha);
+    const __m512i product = _mm512_mullo_epi32(value, alpha);
     tallies->colour[c] = _mm512_mask_add_epi32(tallies->colour[c], lanes, tallies->colour[c], product);
   }
   tallies->alpha = _mm512_mask_add_epi32(tallies->alpha, lanes, tallies->alpha, alpha);
-  tallies->votes = _mm512_mask_add_epi32(tallies->votes, lanes, tallies->votes, _mm512_set1_epi32(1));
+  tallies->votes = _mm512_mask_add_epi32(tallies->votes, lanes, tallies->votes, weights);
 }
 
 /* Sixteen pixels and who was asked for them: themselves, and the last of others. Few chunks meet in a window. */
@@ -466,6 +470,7 @@ typedef struct Poll {
   __mmask16 lanes;
   __m512i here; /* x and y */
   Polled own, other;
+  __m512i own_votes, other_votes; /* not yet in the tallies */
 } Poll;
 
 static Poll begin_poll(Strip *strip, const Pixel *pixel, int count) {
@@ -473,21 +478,34 @@ static Poll begin_poll(Strip *strip, const Pixel *pixel, int count) {
   __m512i places, kinds;
   poll.here = _mm512_add_epi16(_mm512_set1_epi32((pixel->x & 0xFFFF) | pixel->y << 16), count_up(0));
   poll.own.places = poll.own.kinds = poll.own.texels = _mm512_setzero_si512();
+  poll.own_votes = poll.other_votes = _mm512_setzero_si512();
   poll.other = poll.own;
   load_voters(get_row(strip, pixel->y)->voters + pixel->x - strip->x0, count, &places, &kinds);
   ask(pixel->source, poll.lanes, places, kinds, poll.here, &poll.own);
   return poll;
 }
 
-/* The votes of the neighbours at one place of the window. */
-static void poll_neighbours(const Poll *poll, Polled *other, __mmask16 voting, __m512i places, __m512i kinds,
-                            Tallies *tallies) {
+/* The votes of the neighbours at one place of the window. They are counted as long as they are for the same. */
+static void poll_neighbours(Poll *poll, __mmask16 voting, __m512i places, __m512i kinds, Tallies *tallies) {
+  const __m512i one = _mm512_set1_epi32(1);
   const __mmask16 as_own = _mm512_mask_cmpeq_epi32_mask(voting, places, poll->own.places) &
                            _mm512_mask_cmpeq_epi32_mask(voting, kinds, poll->own.kinds);
-  ask(poll->pixel->source, voting & (__mmask16)~as_own, places, kinds, poll->here, other);
-  const Polled both = {.valid = (poll->own.valid & as_own) | (other->valid & (__mmask16)~as_own),
-                       .texels = _mm512_mask_mov_epi32(other->texels, as_own, poll->own.texels)};
-  add_polled(&both, voting, tallies);
+  const __mmask16 as_other = voting & (__mmask16)~as_own;
+  poll->own_votes = _mm512_mask_add_epi32(poll->own_votes, as_own, poll->own_votes, one);
+  if (as_other == 0) return;
+  const __mmask16 changed = _mm512_mask_cmpneq_epi32_mask(as_other, places, poll->other.places) |
+                            _mm512_mask_cmpneq_epi32_mask(as_other, kinds, poll->other.kinds);
+  if (changed != 0) {
+    add_polled(&poll->other, poll->lanes, poll->other_votes, tallies);
+    poll->other_votes = _mm512_setzero_si512();
+    ask(poll->pixel->source, changed, places, kinds, poll->here, &poll->other);
+  }
+  poll->other_votes = _mm512_mask_add_epi32(poll->other_votes, as_other, poll->other_votes, one);
+}
+
+static void end_poll(const Poll *poll, Tallies *tallies) {
+  add_polled(&poll->own, poll->lanes, poll->own_votes, tallies);
+  add_polled(&poll->other, poll->lanes, poll->other_votes, tallies);
 }
 
 /* One row's votes. */
@@ -511,7 +529,7 @@ static void poll_row(Strip *strip, Poll *poll, int ny, Tallies *tallies) {
     if (has_depth && (ny != pixel->y || o != 0))
       voting = find_near(blend, source->style.depth_tolerance, pixel->index,
                          get_pixel_index(blend->frame, pixel->x, ny) + (size_t)(ptrdiff_t)o, voting);
-    poll_neighbours(poll, &poll->other, voting, places, kinds, tallies);
+    poll_neighbours(poll, voting, places, kinds, tallies);
   }
 }
 
@@ -555,7 +573,7 @@ static void poll_self(const Source *source, const Blend *blend, size_t index, __
     int32_t texel;
     if (own->x >= source->width || own->y >= source->height || own->layer >= source->style.layer_count) continue;
     memcpy(&texel, get_exemplar(source, own->layer, own->x, own->y), sizeof texel);
-    add_polled(&(Polled){.valid = lane, .texels = _mm512_set1_epi32(texel)}, lane, tallies);
+    add_polled(&(Polled){.valid = lane, .texels = _mm512_set1_epi32(texel)}, lane, _mm512_set1_epi32(1), tallies);
   }
 }
 
@@ -583,6 +601,7 @@ static int blend_group(Strip *strip, const Pixel *pixel, const uint64_t alike[CO
   Poll poll = begin_poll(strip, pixel, count);
   for (int ny = pixel->y > radius ? pixel->y - radius : 0; ny <= pixel->y + radius && ny < height; ny++)
     poll_row(strip, &poll, ny, &tallies);
+  end_poll(&poll, &tallies);
   poll_self(source, blend, pixel->index, get_lanes(count), &tallies);
   /* The votes of the largest radius don't fit the floats that write_plain divides. */
   if (blend->bits == 8 && radius < STY_MAX_RADIUS && !(blend->frame->albedo && source->colour_weight))
