@@ -14,9 +14,9 @@ list_times() {
     $1 == row && index($2, what) == 1 { split(substr($2, length(what) + 1), words, " "); print words[1], $4 }' "$csv"
 }
 full=$(awk -F, '$1 == "stylize full" && $2 == "frame" { print $4 }' "$csv")
-{ list_times '' coverage; printf '100 %s\n' "$full"; } | sort -n >coverage
-list_times 'radius ' full | sort -n >radius
-{ printf '1 %s\n' "$full"; list_times '' styles; } | sort -n >styles
+{ list_times '' coverage; printf '100 %s\n' "$full"; } | sort -n >coverage.txt
+list_times 'radius ' full | sort -n >radius.txt
+{ printf '1 %s\n' "$full"; list_times '' styles; } | sort -n >styles.txt
 
 gnuplot <<'END'
 set terminal svg size 1080,380 font "DejaVu Sans,11" background "white"
@@ -29,15 +29,15 @@ set logscale y
 set yrange [1:1000]
 set key top left reverse Left samplen 2
 set title "Share of pixels covered, %"
-plot "coverage" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" title "stylut, one thread", \
+plot "coverage.txt" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" title "stylut, one thread", \
   173 with lines dt 2 lc rgb "#1d4ed8" title "StyleBlit's demo on llvmpipe, 14 %: 173", \
   100 with lines dt 3 lc rgb "#888888" title "neural style in a game, GPU: 100", \
   10.4 with lines dt 4 lc rgb "#15803d" title "Unity plugin, a whole frame, GTX 950M: 10.4"
 set title "Blend radius, all covered"
-plot "radius" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" notitle
+plot "radius.txt" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" notitle
 set logscale x 2
 set title "Styles, all covered, squares of 60 pixels"
-plot "styles" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" notitle
+plot "styles.txt" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" notitle
 END
 sed -i 's/ *$//' stylize.svg # the house has no trailing blanks
 mv stylize.svg "$out"
