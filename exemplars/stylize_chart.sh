@@ -26,13 +26,13 @@ set grid lc rgb "#dddddd"
 set ylabel "ms a frame, transfer and blend"
 set style data linespoints
 set logscale y
-set yrange [1:1000]
+set yrange [1:2000]
 set key top left reverse Left samplen 2
 set title "Share of pixels covered, %"
 plot "coverage.txt" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" title "stylut, one thread", \
-  173 with lines dt 2 lc rgb "#1d4ed8" title "StyleBlit's demo on llvmpipe, 14 %: 173", \
-  100 with lines dt 3 lc rgb "#888888" title "neural style in a game, GPU: 100", \
-  10.4 with lines dt 4 lc rgb "#15803d" title "Unity plugin, a whole frame, GTX 950M: 10.4"
+  173 with lines dt 2 lc rgb "#1d4ed8" title "demo, llvmpipe, 14 %: 173", \
+  100 with lines dt 3 lc rgb "#888888" title "neural style, GPU: 100", \
+  10.4 with lines dt 4 lc rgb "#15803d" title "Unity plugin, GPU: 10.4"
 set title "Blend radius, all covered"
 plot "radius.txt" pt 7 ps 0.6 lw 2 lc rgb "#c2410c" notitle
 set logscale x 2
