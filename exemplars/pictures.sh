@@ -50,6 +50,22 @@ oiiotool --nosoftwareattrib "$demo/lit.exr" --ch albedo.R,albedo.G,albedo.B --ch
   -o "$demo/lit.luma.png" "$demo/lit.exr" --ch contour.Y,contour.Y,contour.Y --chnames R,G,B --mulc -1 --addc 1 -d uint8 -o "$demo/lit.contour.png"
 oiiotool --nosoftwareattrib "$demo"/lit.{albedo,luma,contour}.png --mosaic 3x1 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/lit.png"
 
+# The same in steps of light, plain and hatched; their lines alone, and a hand's on the hatching.
+"$stylut" guide scene "$(dirname "$0")/lit/lit.json" -s 450x400 -c normal,depth,object,albedo,luma -q -o "$demo/room.exr"
+"$stylut" toon --guide "$demo/room.exr" -q -o "$demo/room.1.png"
+"$stylut" toon --guide "$demo/room.exr" --texture hatch --strength 0.3 -q -o "$demo/room.2.png"
+"$stylut" outline --guide "$demo/room.exr" -q -o "$demo/room.3.png"
+"$stylut" outline --guide "$demo/room.exr" --over "$demo/room.2.png" --width 2.5 --wobble 2.5 -q -o "$demo/room.4.png"
+for k in 1 2 3 4; do
+  oiiotool --nosoftwareattrib --no-autopremult "$demo/room.$k.png" --premult --create 450x400 3 --fill:color=1,1,1 450x400 \
+    --ch R,G,B,A=1 --over --ch R,G,B -d uint8 -o "$demo/room.$k.tif"
+done
+for name in toon:1:2 outline:3:4; do
+  IFS=: read -r name left right <<<"$name"
+  oiiotool --nosoftwareattrib "$demo/room.$left.tif" "$demo/room.$right.tif" --mosaic 2x1 -d uint8 --eraseattrib '.*' \
+    --attrib DateTime '2000:01:01 00:00:00' -o "$out/$name.png"
+done
+
 # What a painter would go by, 8x8 pixels at a time: colour, detail (dark), and lines by twice their angle.
 "$stylut" guide strokes "$demo/oil.png" --level 3 --space srgb -c all -q -o "$demo/strokes.exr"
 oiiotool --nosoftwareattrib "$demo/strokes.exr" --ch color.R,color.G,color.B,A --chnames R,G,B,A -o "$demo/strokes.1.tif" \

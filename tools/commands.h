@@ -16,6 +16,8 @@ StyStatus run_check(int argc, char **argv);
 StyStatus run_report(int argc, char **argv);
 StyStatus run_pack(int argc, char **argv);
 StyStatus run_stylize(int argc, char **argv);
+StyStatus run_toon(int argc, char **argv);
+StyStatus run_outline(int argc, char **argv);
 StyStatus run_match(int argc, char **argv);
 StyStatus run_info(int argc, char **argv);
 StyStatus run_validate(int argc, char **argv);

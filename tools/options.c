@@ -334,6 +334,28 @@ StyStatus parse_bits(Options *options, const char *text, int *bits) {
   return status;
 }
 
+static int read_digit(char c) {
+  static const char digits[] = "0123456789abcdef0123456789ABCDEF";
+  const char *found = c ? strchr(digits, c) : NULL;
+  return found ? (int)(found - digits) % 16 : -1;
+}
+
+StyStatus parse_colour(Options *options, const char *what, const char *text, uint8_t out[4]) {
+  const size_t length = strlen(text);
+  uint8_t colour[4] = {0, 0, 0, 255};
+  bool good = length == 6 || length == 8;
+  for (size_t i = 0; good && i < length / 2; i++) {
+    const int high = read_digit(text[2 * i]), low = read_digit(text[2 * i + 1]);
+    good = high >= 0 && low >= 0;
+    if (good) colour[i] = (uint8_t)(16 * high + low);
+  }
+  if (!good)
+    return sty_fail(&options->error, STY_ERROR_USAGE, "%s: found '%s', expected RRGGBB or RRGGBBAA, hexadecimal", what,
+                    text);
+  memcpy(out, colour, sizeof colour);
+  return STY_OK;
+}
+
 StyStatus take_argument(Options *options, const char **slot, const char *text) {
   if (*slot) return sty_fail(&options->error, STY_ERROR_USAGE, "found '%s', expected nothing after '%s'", text, *slot);
   *slot = text;

@@ -1,4 +1,4 @@
-/* The runtime's two passes over a whole frame, on all threads of a run. */
+/* The runtime's passes over a whole frame, on all threads of a run. */
 #ifndef STYLUT_TOOLS_PASSES_H
 #define STYLUT_TOOLS_PASSES_H
 
@@ -10,5 +10,9 @@ StyStatus transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyMatc
                          StyError *error);
 StyStatus blend_frame(const StyBundle *bundle, const StyFrame *frame, const StyMatch *matches, int bits, void *picture,
                       const StyRun *run, StyError *error);
+
+/* Calls pass(context, rect) for rectangles that make up a frame of this size. */
+typedef StyRuntimeStatus PassRect(void *context, StyRect rect);
+StyStatus pass_rects(int width, int height, PassRect *pass, void *context, const StyRun *run, StyError *error);
 
 #endif

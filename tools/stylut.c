@@ -26,6 +26,8 @@ static const Command commands[] = {
     {"chart", "draw speed against accuracy over engines, sizes, maps and encodings", run_chart},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
+    {"toon", "shade a frame's guide in steps of light", run_toon},
+    {"outline", "draw the lines around and inside what a frame's guide shows", run_outline},
     {"info", "say what a file or bundle holds", run_info},
     {"validate", "verify a bundle, finding by finding", run_validate},
     {"compare", "say whether and where two pictures differ", run_compare},

@@ -250,6 +250,134 @@ StyRuntimeStatus sty_blend_frame(const StyBundle *bundle, const StyFrame *frame,
  * (2*width by 2*height), RGBA of 8 or 16 bits; colours weigh by alpha, all is rounded once, half up. */
 StyRuntimeStatus sty_halve_picture(int width, int height, int bits, const void *picture, StyRect rect, void *out);
 
+/* ---- patterns ------------------------------------------------------------------
+ * What the two passes below are roughened with: a picture that repeats without end in both directions. They need no
+ * bundle, and of a frame what they name; its other members must be as for the passes above, but for `style` and
+ * `path`, which aren't read. Quotients are rounded down, mod is never negative, isqrt(n) is the largest integer whose
+ * square is at most n. */
+#define STY_MAX_PATTERN_SIDE 4096
+typedef struct StyPattern {
+  const uint8_t *texels; /* rows from the top, no padding: 1 byte a texel, or 2 where displacements are asked for;
+                            NULL: none */
+  int width, height;     /* 1..STY_MAX_PATTERN_SIDE */
+} StyPattern;
+
+/* ---- toon shading (thesis 000, 3.4.1) -------------------------------------------
+ * Luminance in steps. A pattern makes the steps' borders ragged or hatched; cut into cells, each turned the way the
+ * surface bends most, it shows the shape. */
+#define STY_MAX_BANDS 8
+#define STY_MAX_PATTERN_WEIGHT 2048
+#define STY_MIN_CELL_LEVEL 2
+#define STY_MAX_CELL_LEVEL 8
+
+typedef struct StyToon {
+  int band_count;                        /* 1..STY_MAX_BANDS, from the darkest */
+  uint8_t thresholds[STY_MAX_BANDS - 1]; /* luminance, bytes, from which band 1, 2, ... is taken */
+  uint8_t colours[STY_MAX_BANDS][4];     /* R G B A, encoded as pictures are, straight */
+  int colour_weight;                     /* of the frame's albedo, 256ths, 0 (none) .. 256: bands are factors */
+  int style;                             /* only pixels that frame->styles gives this style; 0: all covered ones */
+  StyPattern pattern;                    /* 128 leaves the luminance as it is */
+  int pattern_weight;                    /* luminance per texel's unit, 256ths, 0..STY_MAX_PATTERN_WEIGHT */
+  int cell_level;        /* cells of about 2^level pixels, STY_MIN_CELL_LEVEL..STY_MAX_CELL_LEVEL; 0: the
+                            pattern isn't turned */
+  const uint8_t *jitter; /* of cells: STY_JITTER_SIZE squared, 2 bytes a texel; a bundle's layer, say */
+  int jitter_amount;     /* 255ths, 0..255 */
+} StyToon;
+
+/* Needs frame->luma; takes albedo, objects and anchors where they are given. Writes RGBA inside `rect` of `out`, 8 or
+ * 16 bits, as sty_blend_frame does.
+ *
+ * The band is the number of thresholds t (of band_count - 1) with 256 * t <= 256 * luma + pattern_weight * (k - 128), k
+ * = pattern at (x mod width, y mod height), (x, y) = p - a, a = anchor of p's object. The colour is multiplied by 1 - w
+ * + w * albedo, w = colour_weight, the alpha by the frame's coverage; each is rounded once, half up. Other pixels
+ * become 0 0 0 0.
+ *
+ * Cells: s = the seed of cell_level nearest to p - a (see seeds above), d = p - a - s. The pattern is turned about it:
+ * (x, y) = s + ((d.x * c + d.y * n + 2048) / 4096, (d.y * c - d.x * n + 2048) / 4096), (c, n) from the guide at the 5x5
+ * samples a + s + 2^(cell_level - 2) * (i, j), i, j = -2..2. A pair of samples next to each other counts where both lie
+ * in the frame, are covered, and are of p's object; its length is isqrt(4096 * sum of squared byte differences). With X
+ * the sum and m the number of pairs along x, Y and l along y: where X < 32 * m + (m = 0) and Y < 32 * l + (l = 0),
+ * nothing is turned: (4096, 0). Else (u, v) = (X * l, Y * m), or (X, Y) where m * l = 0, halved until both are below
+ * 2048, r = isqrt(256 * (u * u + v * v)), (c, n) = (65536 * u / r, 65536 * v / r). The angle is 0..90 degrees: lengths
+ * don't tell up from down. */
+StyRuntimeStatus sty_shade_toon(const StyFrame *frame, const StyToon *toon, StyRect rect, int bits, void *out);
+
+/* ---- outlines (thesis 000, 3.4.2) ------------------------------------------------
+ * Four passes, each over any rectangles: which pixels are contours, how far up or down each column the nearest one is,
+ * the lines, and their colour on a picture. */
+
+typedef struct StyOutline {
+  int silhouette_weight; /* where p's neighbour isn't covered; weights are 0..STY_MAX_OUTLINE_WEIGHT, 0 = off */
+  int object_weight;     /* where it is of another object */
+  int normal_weight;     /* per byte by which their normals differ beyond the tolerance */
+  int depth_weight;      /* per doubling of the gap behind p, from the tolerance on */
+  int normal_tolerance;  /* sum of absolute byte differences, 0..STY_MAX_THRESHOLD */
+  float depth_tolerance; /* scene units, above 0, finite; about 1/200 of what the frame is deep */
+  StyPattern noise;      /* lessens strengths, so that weak contours break up */
+  int noise_weight;      /* strength per texel's unit, 256ths, 0..STY_MAX_OUTLINE_WEIGHT */
+  int threshold;         /* contours are stronger than that, 0..STY_MAX_OUTLINE_WEIGHT */
+} StyOutline;
+#define STY_MAX_OUTLINE_WEIGHT 65535
+#define STY_MAX_GAP_GRADE 8
+#define STY_MAX_DEPTH 1e30f
+
+/* First: 255 in `contours` (width*height bytes) at contours, else 0. Takes the frame's depth and objects where they are
+ * given; other pixels of it are looked at to a distance of 2.
+ *
+ * p is a contour when it is covered and 256 * (depth term + the largest border term of its neighbours left, right,
+ * above and below) - noise_weight * noise at (p.x mod width, p.y mod height) > 256 * threshold. Places outside the
+ * frame aren't neighbours.
+ *
+ * Border term, neighbour q: not covered: silhouette_weight. Covered, and the border p's: object_weight, if the objects
+ * differ, + normal_weight * max(0, D - normal_tolerance), D = sum of absolute byte differences of their guides; else 0.
+ * A border is the nearer pixel's, if both have a depth and these differ by more than the tolerance; else that of the
+ * larger object id; else the left or upper pixel's. So lines are one pixel thin, and in front.
+ *
+ * Depth term: depth_weight * the largest grade of the four. A pixel has a depth when it is covered, and that is a
+ * number within STY_MAX_DEPTH of 0. The gap to q is z(q) - z(p) - 3 * slope, slope = the least of |z(p) - z(b)|, b
+ * beyond p, and |z(e) - z(q)|, e beyond q, of those that have a depth; no slope or no z(q), no gap. Planes have none,
+ * however they slant. The grade is the number of i in 0..STY_MAX_GAP_GRADE-1 with gap > 2^i * depth_tolerance. Float
+ * arithmetic, each operation rounded; subtract z(p) first. */
+StyRuntimeStatus sty_find_contours(const StyFrame *frame, const StyOutline *outline, StyRect rect, uint8_t *contours);
+
+typedef struct StyLine {
+  int width;         /* pixels, 256ths: STY_MIN_LINE_WIDTH..STY_MAX_LINE_WIDTH */
+  StyPattern wobble; /* 2 bytes a texel, right and down, 128 = stay; smooth, or lines fray */
+  int wobble_amount; /* pixels at 128 +- 128, 256ths, 0..STY_MAX_WOBBLE */
+} StyLine;
+#define STY_MIN_LINE_WIDTH 128
+#define STY_MAX_LINE_WIDTH 16384
+#define STY_MAX_WOBBLE 4096
+
+/* Contours farther away don't matter: R = (width + 767) / 512 + 1 pixels. */
+int sty_get_line_reach(const StyLine *line);
+
+/* Second: for each pixel of `rect` in `columns` (width*height) the rows from it to the nearest contour in its column,
+ * -R..R, upward where two are equally near; STY_NO_CONTOUR where there is none. Needs the contours of `rect` grown up
+ * and down by R. */
+StyRuntimeStatus sty_measure_columns(int width, int height, const uint8_t *contours, const StyLine *line, StyRect rect,
+                                     int8_t *columns);
+#define STY_NO_CONTOUR 127
+
+/* Third: how much of each pixel is line, in `lines` (width*height bytes). Needs the columns of `rect` grown by R +
+ * wobble_amount / 256 + 1. With the columns this is the exact Euclidean distance to the nearest contour (Meijster et
+ * al. 2000, bounded).
+ *
+ * h = wobble_amount * (j - 128) / 128, j = wobble at (p.x mod width, p.y mod height), right and down; q = p + (h + 128)
+ * / 256, f = h - 256 * (q - p), then q is clamped to the frame. The distance L = isqrt of the least (256 * i - f.x)^2 +
+ * (256 * columns[q + (i, 0)] - f.y)^2 over i = -R..R; coverage = min(256, width, (width + 256) / 2 - L), at least 0, of
+ * 256, times 255 / 256, rounded half up. */
+StyRuntimeStatus sty_draw_lines(int width, int height, const int8_t *columns, const StyLine *line, StyRect rect,
+                                uint8_t *lines);
+
+/* Fourth: lays a colour (R G B A, straight) over a picture (RGBA of 8 or 16 bits, straight) where lines are, in place.
+ * M = 255 or 65535, l = lines * colour's alpha, U = 255 * 255. With `beyond`, over (Porter and Duff 1984): E = l * M +
+ * alpha * (U - l), alpha' = E / U, C' = (C * M / 255 * l * M + picture * alpha * (U - l)) / E, 0 where E is. Without,
+ * atop, so that nothing is drawn beyond what the picture shows: alpha stays, C' = (C * M / 255 * l + picture * (U - l))
+ * / U. Rounded once, half up. */
+StyRuntimeStatus sty_lay_lines(int width, int height, const uint8_t *lines, const uint8_t colour[4], int beyond,
+                               StyRect rect, int bits, void *picture);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,8 +3,8 @@
  * pixels whose whole window is alike copy their match, the others count each distinct vote once, with its weight.
  * Before including this a file defines
  *   static void collect_voters(const Blend *, size_t index, int x, int y, int count, Voter *out): from (x, y) on;
- *   static bool blend_mixed_group(Strip *, const Pixel *, int count): may blend pixels side by side, all of one
- *     style; false where it doesn't.
+ *   static int blend_group(Strip *, const Pixel *, const uint64_t alike[COLUMN_WORDS]): may blend the pixel and some to
+ *     its right; how many.
  *   static void compare_voters(const Voter *a, const Voter *b, uint64_t bits[COLUMN_WORDS]): bit k is set where
  *     a[k] equals b[k], k < COLUMNS; one more may be read. */
 
@@ -191,13 +191,9 @@ static StyRuntimeStatus blend_row(Strip *strip, int y, OpenSources *open) {
       copy_chunk(blend, &pixel, count);
       k += count;
     } else {
-      int count = 1; /* mixed pixels of the style */
-      while (k + count < strip->end && (row->voters[k + count].tag & 511) == style &&
-             !(alike[(k + count) / WORD] >> (k + count) % WORD & 1))
-        count++;
-      k += count;
-      if (!blend_mixed_group(strip, &pixel, count))
-        for (; count > 0; count--, pixel.index++, pixel.x++) blend_mixed(strip, &pixel);
+      const int done = blend_group(strip, &pixel, alike);
+      if (done == 0) blend_mixed(strip, &pixel);
+      k += done ? done : 1;
     }
   }
   return STY_RUNTIME_OK;

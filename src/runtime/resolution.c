@@ -1,4 +1,5 @@
 #include "matching.h"
+#include "picture.h"
 
 /* ---- half resolution: from matches of half a frame to those of the whole ---- */
 
@@ -39,17 +40,6 @@ StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *hal
 }
 
 /* ---- double resolution: from a picture of twice the size to its own ---- */
-
-static uint32_t read_component(const void *picture, int bits, size_t i) {
-  return bits == 8 ? ((const uint8_t *)picture)[i] : ((const uint16_t *)picture)[i];
-}
-
-static void write_component(void *picture, int bits, size_t i, uint64_t value) {
-  if (bits == 8)
-    ((uint8_t *)picture)[i] = (uint8_t)value;
-  else
-    ((uint16_t *)picture)[i] = (uint16_t)value;
-}
 
 StyRuntimeStatus sty_halve_picture(int width, int height, int bits, const void *picture, StyRect rect, void *out) {
   if (!picture || !out || (bits != 8 && bits != 16) || !is_size_valid(width, height) ||

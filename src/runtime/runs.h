@@ -79,13 +79,13 @@ static inline void try_pixels_singly(const Run *run, const Segment *segment, Wai
   }
 }
 
-/* The nine seeds that a cell's pixels choose from, in the order of the reference's loops, less the first pixel of a
- * row. Less k*k, the squared distance from pixel k is linear in k. Counted in sixteenths it leaves room for the seed's
- * number, so that the least value names the seed that the loops would find. */
-typedef struct Candidates {
-  int32_t base[9], slope[9];
-  NearSeed places[9];
-} Candidates;
+/* The seeds of the cells around a row of pixels, less its first pixel: those of columns c, c+1 and c+2 and all three
+ * rows compete for the pixels (k + phase) / h = c. */
+enum { MOST_CELLS = RUN_LENGTH / 2 + 3, CELL_PADDING = 16 };
+typedef struct SeedGrid {
+  int level, phase;
+  NearSeed rows[3][MOST_CELLS + CELL_PADDING]; /* vectors read beyond the end */
+} SeedGrid;
 
 /* Styles alternate in rows where things touch: the last few stay open. */
 enum { OPEN_SOURCES = 4 };
@@ -108,13 +108,13 @@ static inline StyRuntimeStatus find_source(const StyBundle *bundle, const StyFra
 }
 
 /* The fast forms, one set per vector unit. Functions rather than tables of them, which would be data to relocate. */
-#define DECLARE_UNIT(unit)                                                                               \
-  StyRuntimeStatus sty_transfer_##unit(const StyBundle *bundle, const StyFrame *frame, StyRect rect,     \
-                                       StyMatch *matches);                                               \
-  StyRuntimeStatus sty_blend_##unit(const Blend *blend, StyRect rect);                                   \
-  /* Offsets of the nearest seeds of `count` pixels of the grid from p on; levels 1..STY_SEED_LEVELS. */ \
-  void sty_fill_seeds_##unit(const unsigned char *jitter, int amount, Point p, int count, int level,     \
-                             StySeedOffset *out);
+#define DECLARE_UNIT(unit)                                                                                     \
+  StyRuntimeStatus sty_transfer_##unit(const StyBundle *bundle, const StyFrame *frame, StyRect rect,           \
+                                       StyMatch *matches);                                                     \
+  StyRuntimeStatus sty_blend_##unit(const Blend *blend, StyRect rect);                                         \
+  /* Rows of offsets of the nearest seeds of `count` pixels from p on; levels 1..STY_SEED_LEVELS. */           \
+  void sty_fill_seeds_##unit(const unsigned char *jitter, int amount, int level, Point p, int count, int rows, \
+                             StySeedOffset *out, size_t stride);
 DECLARE_UNIT(portable)
 #if defined(__x86_64__) && defined(__GNUC__)
 #define STY_HAS_X86

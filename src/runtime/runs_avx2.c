@@ -115,23 +115,24 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
   }
 }
 
-/* Products by pairs of 16 bits: slope and place fit them. The ninth candidate is beyond a register's eight. */
-static void choose_seeds(const Candidates *candidates, int k0, int k1, NearSeed *out) {
-  const __m256i places = _mm256_loadu_si256((const void *)candidates->places);
-  int32_t last;
-  memcpy(&last, candidates->places + 8, sizeof last);
+/* Candidates in the order of the reference's loops, which a later one must beat. */
+static void choose_seeds(const SeedGrid *grid, int y, int k0, int k1, NearSeed *out) {
+  const __m128i level = _mm_cvtsi32_si128(grid->level);
   for (int k = k0; k < k1; k += LANES) {
-    const __m256i at = count_up(k);
-    __m256i least = _mm256_set1_epi32(INT32_MAX);
+    const int cell = (k + grid->phase) >> grid->level;
+    const __m256i at = count_up(k), phase = _mm256_set1_epi32(grid->phase);
+    const __m256i cells =
+        _mm256_sub_epi32(_mm256_srl_epi32(_mm256_add_epi32(at, phase), level), _mm256_set1_epi32(cell));
+    const __m256i here = _mm256_or_si256(at, _mm256_set1_epi32(y << 16));
+    __m256i least = _mm256_set1_epi32(INT32_MAX), chosen = here;
     for (int i = 0; i < 9; i++) {
-      const __m256i product = _mm256_madd_epi16(at, _mm256_set1_epi32(candidates->slope[i] & 0xFFFF));
-      least = _mm256_min_epi32(least, _mm256_add_epi32(product, _mm256_set1_epi32(candidates->base[i])));
+      const __m256i row = _mm256_loadu_si256((const void *)(grid->rows[i % 3] + cell + i / 3));
+      const __m256i way = _mm256_sub_epi16(_mm256_permutevar8x32_epi32(row, cells), here);
+      const __m256i distance = _mm256_madd_epi16(way, way);
+      chosen = _mm256_blendv_epi8(chosen, way, _mm256_cmpgt_epi32(least, distance));
+      least = _mm256_min_epi32(least, distance);
     }
-    const __m256i number = _mm256_and_si256(least, _mm256_set1_epi32(15));
-    const __m256i is_last = _mm256_cmpeq_epi32(number, _mm256_set1_epi32(8));
-    const __m256i chosen =
-        _mm256_blendv_epi8(_mm256_permutevar8x32_epi32(places, number), _mm256_set1_epi32(last), is_last);
-    _mm256_maskstore_epi32((int *)(void *)(out + k), spread_bits(get_lanes(k1 - k)), chosen);
+    _mm256_maskstore_epi32((int *)(void *)(out + k), spread_bits(get_lanes(k1 - k)), _mm256_add_epi16(chosen, at));
   }
 }
 

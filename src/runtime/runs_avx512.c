@@ -120,18 +120,25 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
   }
 }
 
-/* Products by pairs of 16 bits: slope and place fit them. */
-static void choose_seeds(const Candidates *candidates, int k0, int k1, NearSeed *out) {
-  const __m512i places = _mm512_maskz_loadu_epi32(0x1FF, candidates->places);
+/* Candidates in the order of the reference's loops, which a later one must beat. */
+static void choose_seeds(const SeedGrid *grid, int y, int k0, int k1, NearSeed *out) {
+  const unsigned level = (unsigned)grid->level;
   for (int k = k0; k < k1; k += LANES) {
-    const __m512i at =
-        _mm512_add_epi32(_mm512_set1_epi32(k), _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
-    __m512i least = _mm512_set1_epi32(INT32_MAX);
+    const int cell = (k + grid->phase) >> level;
+    const __m512i at = count_up(k), phase = _mm512_set1_epi32(grid->phase);
+    const __m512i cells =
+        _mm512_sub_epi32(_mm512_srli_epi32(_mm512_add_epi32(at, phase), level), _mm512_set1_epi32(cell));
+    const __m512i here = _mm512_or_si512(at, _mm512_set1_epi32(y << 16));
+    __m512i least = _mm512_set1_epi32(INT32_MAX), chosen = here;
     for (int i = 0; i < 9; i++) {
-      const __m512i product = _mm512_madd_epi16(at, _mm512_set1_epi32(candidates->slope[i] & 0xFFFF));
-      least = _mm512_min_epi32(least, _mm512_add_epi32(product, _mm512_set1_epi32(candidates->base[i])));
+      const __m512i row = _mm512_loadu_si512(grid->rows[i % 3] + cell + i / 3);
+      const __m512i way = _mm512_sub_epi16(_mm512_permutexvar_epi32(cells, row), here);
+      const __m512i distance = _mm512_madd_epi16(way, way);
+      const __mmask16 nearer = _mm512_cmplt_epi32_mask(distance, least);
+      chosen = _mm512_mask_mov_epi32(chosen, nearer, way);
+      least = _mm512_min_epi32(least, distance);
     }
-    _mm512_mask_storeu_epi32(out + k, get_lanes(k1 - k), _mm512_permutexvar_epi32(least, places));
+    _mm512_mask_storeu_epi32(out + k, get_lanes(k1 - k), _mm512_add_epi16(chosen, at));
   }
 }
 
@@ -448,8 +455,8 @@ static void poll_row(Strip *strip, const Pixel *pixel, __mmask16 lanes, int ny, 
   const bool has_depth = blend->frame->depth && source->style.depth_tolerance != 0;
   const bool has_objects = source->style.flags & STY_FLAG_OBJECTS;
   const __m512i here = _mm512_add_epi16(_mm512_set1_epi32((pixel->x & 0xFFFF) | pixel->y << 16), count_up(0));
-  __m512i own_places, own_kinds;
-  load_voters(get_row(strip, pixel->y)->voters + k, count, &own_places, &own_kinds);
+  __m512i own_places, own_kinds = _mm512_setzero_si512();
+  if (has_objects) load_voters(get_row(strip, pixel->y)->voters + k, count, &own_places, &own_kinds);
   Polled polled = {_mm512_setzero_si512(), _mm512_setzero_si512(), 0, _mm512_setzero_si512()};
   for (int o = -radius; o <= radius; o++) {
     __m512i places, kinds;
@@ -512,30 +519,36 @@ static void poll_self(const Source *source, const Blend *blend, size_t index, __
   }
 }
 
-enum { WIDEST_POLL = 1 };
+/* Pixels from this one on, at most sixteen, all of its style, up to the last whose window isn't alike. */
+static int measure_group(Strip *strip, const Pixel *pixel, const uint64_t alike[COLUMN_WORDS]) {
+  const Voter *voters = get_row(strip, pixel->y)->voters;
+  const int k = pixel->x - strip->x0, most = strip->end - k < LANES ? strip->end - k : LANES;
+  __m512i places, kinds;
+  load_voters(voters + k, most, &places, &kinds);
+  const __m512i style = _mm512_set1_epi32(pixel->source->number + 1);
+  const unsigned same = _mm512_cmpeq_epi32_mask(_mm512_and_si512(kinds, _mm512_set1_epi32(511)), style);
+  const unsigned stretch = get_lanes(__builtin_ctz(~same));
+  const unsigned mixed = stretch & get_lanes(most) & ~(unsigned)shift_bits(alike, k / WORD, k % WORD);
+  return 32 - __builtin_clz(mixed | 1);
+}
 
-static bool blend_mixed_group(Strip *strip, const Pixel *first, int count) {
+static int blend_group(Strip *strip, const Pixel *pixel, const uint64_t alike[COLUMN_WORDS]) {
   const Blend *blend = strip->blend;
-  const Source *source = first->source;
+  const Source *source = pixel->source;
   const int radius = source->style.radius, height = blend->frame->height;
-  if (radius > WIDEST_POLL || source->style.flags & STY_FLAG_BASE || source->layer_size >= (size_t)1 << 28)
-    return false;
-  const bool is_plain = blend->bits == 8 && !(blend->frame->albedo && source->colour_weight);
-  for (int i = 0; i < count; i += LANES) {
-    const Pixel pixel = {first->x + i, first->y, first->index + (size_t)i, source};
-    const int here = count - i < LANES ? count - i : LANES;
-    const __mmask16 lanes = get_lanes(here);
-    Tallies tallies;
-    memset(&tallies, 0, sizeof tallies);
-    for (int ny = pixel.y > radius ? pixel.y - radius : 0; ny <= pixel.y + radius && ny < height; ny++)
-      poll_row(strip, &pixel, lanes, ny, &tallies);
-    poll_self(source, blend, pixel.index, lanes, &tallies);
-    if (is_plain)
-      write_plain(blend, pixel.index, lanes, &tallies);
-    else
-      write_tallies(blend, &pixel, &tallies, here);
-  }
-  return true;
+  if (source->style.flags & STY_FLAG_BASE || source->layer_size >= (size_t)1 << 28) return 0;
+  const int count = measure_group(strip, pixel, alike);
+  Tallies tallies;
+  memset(&tallies, 0, sizeof tallies);
+  for (int ny = pixel->y > radius ? pixel->y - radius : 0; ny <= pixel->y + radius && ny < height; ny++)
+    poll_row(strip, pixel, get_lanes(count), ny, &tallies);
+  poll_self(source, blend, pixel->index, get_lanes(count), &tallies);
+  /* The votes of the largest radius don't fit the floats that write_plain divides. */
+  if (blend->bits == 8 && radius < STY_MAX_RADIUS && !(blend->frame->albedo && source->colour_weight))
+    write_plain(blend, pixel->index, get_lanes(count), &tallies);
+  else
+    write_tallies(blend, pixel, &tallies, count);
+  return count;
 }
 
 #define UNIT(name) sty_##name##_avx512

@@ -5,7 +5,8 @@
  *   static int measure_segment(const NearSeed *seeds, int count): how many seeds equal the first, at least 1;
  *   static void try_pixels(const Run *, const Segment *, Waiting *): serves the waiting pixels of a segment that take
  *     its proposal;
- *   static void choose_seeds(const Candidates *, int k0, int k1, NearSeed *out): the candidate nearest to each pixel;
+ *   static void choose_seeds(const SeedGrid *, int y, int k0, int k1, NearSeed *out): the nearest of each pixel of the
+ *     row y rows below the grid's, less its own first pixel;
  *   static void place_offsets(const StySeedOffset *, int k0, int k1, NearSeed *out): seeds from ways to them;
  *   static void empty_matches(StyMatch *, int count): no_match in all;
  *   static int finish_run(const Run *, int level, Waiting *): may serve all that wait from this level on; the level
@@ -13,44 +14,38 @@
 
 /* ---- seeds ---- */
 
-static void place_column(const unsigned char *jitter, int amount, Point cell, int level, Point p, NearSeed out[3]) {
-  for (int dy = -1; dy <= 1; dy++) {
-    const Point seed = place_seed(jitter, amount, cell.x, cell.y + dy, 1 << level);
-    out[dy + 1] = (NearSeed){(int16_t)(seed.x - p.x), (int16_t)(seed.y - p.y)};
-  }
+/* Cells for `count` pixels from p on. */
+static void place_cells(const unsigned char *jitter, int amount, int level, Point p, int count, SeedGrid *grid) {
+  const Point cell = {shift_down(p.x, level), shift_down(p.y, level)};
+  grid->level = level;
+  grid->phase = p.x - cell.x * (1 << level);
+  const int cells = ((grid->phase + count - 1) >> level) + 3;
+  for (int row = 0; row < 3; row++)
+    for (int c = 0; c < cells; c++) {
+      const Point seed = place_seed(jitter, amount, cell.x + c - 1, cell.y + row - 1, 1 << level);
+      grid->rows[row][c] = (NearSeed){(int16_t)(seed.x - p.x), (int16_t)(seed.y - p.y)};
+    }
 }
 
-static void list_candidates(Candidates *candidates) {
-  for (int i = 0; i < 9; i++) {
-    const int x = candidates->places[i].x, y = candidates->places[i].y;
-    candidates->base[i] = 16 * (x * x + y * y) + i;
-    candidates->slope[i] = -32 * x;
-  }
-}
-
-/* Seeds of the pixels k0..k1-1 of a row of the grid that begins at p; levels 1..STY_SEED_LEVELS. */
-static void choose_row(const unsigned char *jitter, int amount, Point p, int k0, int k1, int level, NearSeed *out) {
-  Point cell = {shift_down(p.x + k0, level), shift_down(p.y, level)};
-  Candidates candidates;
-  for (int dx = -1; dx <= 0; dx++)
-    place_column(jitter, amount, (Point){cell.x + dx, cell.y}, level, p, candidates.places + 3 * (dx + 1));
-  while (k0 < k1) {
-    place_column(jitter, amount, (Point){cell.x + 1, cell.y}, level, p, candidates.places + 6);
-    list_candidates(&candidates);
-    const int end = (cell.x + 1) * (1 << level) - p.x, next = end < k1 ? end : k1;
-    choose_seeds(&candidates, k0, next, out);
-    memmove(candidates.places, candidates.places + 3, 6 * sizeof *candidates.places);
-    k0 = next;
-    cell.x++;
-  }
-}
-
-void UNIT(fill_seeds)(const unsigned char *jitter, int amount, Point p, int count, int level, StySeedOffset *out) {
-  SeedRow row;
+/* A row of cells has the same seeds for all its rows of pixels. */
+void UNIT(fill_seeds)(const unsigned char *jitter, int amount, int level, Point p, int count, int rows,
+                      StySeedOffset *out, size_t stride) {
+  const int h = 1 << level;
+  SeedGrid grid;
+  SeedRow seeds;
   for (int k = 0; k < count; k += RUN_LENGTH) {
     const int length = count - k < RUN_LENGTH ? count - k : RUN_LENGTH;
-    choose_row(jitter, amount, (Point){p.x + k, p.y}, 0, length, level, row);
-    for (int i = 0; i < length; i++) out[k + i] = (StySeedOffset){(int8_t)(row[i].x - i), (int8_t)row[i].y};
+    for (int row = 0, end; row < rows; row = end) {
+      const Point first = {p.x + k, p.y + row};
+      const int left = h - (first.y - shift_down(first.y, level) * h);
+      end = left < rows - row ? row + left : rows;
+      place_cells(jitter, amount, level, first, length, &grid);
+      for (int y = row; y < end; y++) {
+        StySeedOffset *offsets = out + (size_t)y * stride + k;
+        choose_seeds(&grid, y - row, 0, length, seeds);
+        for (int i = 0; i < length; i++) offsets[i] = (StySeedOffset){(int8_t)(seeds[i].x - i), (int8_t)seeds[i].y};
+      }
+    }
   }
 }
 
@@ -76,10 +71,11 @@ static NearSeed find_near_seed(const Source *source, Point p, int k, int level) 
 /* At level 0 a cell is a pixel, and its seed is on it, but for a jitter of a whole cell. */
 static void find_pixel_seeds(const Source *source, Point p, int k0, int k1, SeedRow out) {
   const unsigned char *row = source->jitter + (unsigned)p.y % STY_JITTER_SIZE * (size_t)(2 * STY_JITTER_SIZE);
+  for (int k = k0; k < k1; k++) out[k] = (NearSeed){(int16_t)k, 0};
+  if (source->jitter_amount < 255) return;
   for (int k = k0; k < k1; k++) {
     const unsigned char *j = row + 2 * ((unsigned)(p.x + k) % STY_JITTER_SIZE);
-    out[k] = (NearSeed){(int16_t)k, 0};
-    if (source->jitter_amount == 255 && (j[0] == 255 || j[1] == 255)) out[k] = find_near_seed(source, p, k, 0);
+    if (j[0] == 255 || j[1] == 255) out[k] = find_near_seed(source, p, k, 0);
   }
 }
 
@@ -91,7 +87,9 @@ static void find_seeds(const Run *run, int level, int k0, int k1, SeedRow out) {
   if (kept) {
     place_offsets(kept, k0, k1, out);
   } else if (level > 0 && level <= STY_SEED_LEVELS) {
-    choose_row(source->jitter, source->jitter_amount, p, k0, k1, level, out);
+    SeedGrid grid;
+    place_cells(source->jitter, source->jitter_amount, level, p, k1, &grid);
+    choose_seeds(&grid, 0, k0, k1, out);
   } else if (level == 0) {
     find_pixel_seeds(source, p, k0, k1, out);
   } else {

@@ -18,9 +18,9 @@ static void collect_voters(const Blend *blend, size_t index, int x, int y, int c
   for (int k = 0; k < count; k++) out[k] = get_voter(blend, index + (size_t)k, x + k, y);
 }
 
-static bool blend_mixed_group(Strip *strip, const Pixel *pixel, int count) {
+static int blend_group(Strip *strip, const Pixel *pixel, const uint64_t alike[COLUMN_WORDS]) {
   (void)strip;
   (void)pixel;
-  (void)count;
-  return false;
+  (void)alike;
+  return 0;
 }

@@ -17,14 +17,33 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
   try_pixels_singly(run, segment, waiting);
 }
 
-static void choose_seeds(const Candidates *candidates, int k0, int k1, NearSeed *out) {
+/* Less k*k, the squared distance from pixel k is linear in k. Counted in sixteenths it leaves room for the seed's
+ * number in the order of the reference's loops, so that the least value names the seed that they would find. */
+static void choose_in_cell(const SeedGrid *grid, int y, int cell, int k0, int k1, NearSeed *out) {
+  NearSeed seeds[9];
+  int32_t base[9], slope[9];
+  for (int i = 0; i < 9; i++) {
+    seeds[i] = grid->rows[i % 3][cell + i / 3];
+    seeds[i].y = (int16_t)(seeds[i].y - y);
+    base[i] = 16 * (seeds[i].x * seeds[i].x + seeds[i].y * seeds[i].y) + i;
+    slope[i] = -32 * seeds[i].x;
+  }
   for (int k = k0; k < k1; k++) {
-    int32_t least = candidates->base[0] + candidates->slope[0] * k;
+    int32_t least = base[0] + slope[0] * k;
     for (int i = 1; i < 9; i++) {
-      const int32_t value = candidates->base[i] + candidates->slope[i] * k;
+      const int32_t value = base[i] + slope[i] * k;
       least = value < least ? value : least;
     }
-    out[k] = candidates->places[least & 15];
+    out[k] = seeds[least & 15];
+  }
+}
+
+static void choose_seeds(const SeedGrid *grid, int y, int k0, int k1, NearSeed *out) {
+  while (k0 < k1) {
+    const int cell = (k0 + grid->phase) >> grid->level, end = ((cell + 1) << grid->level) - grid->phase;
+    const int next = end < k1 ? end : k1;
+    choose_in_cell(grid, y, cell, k0, next, out);
+    k0 = next;
   }
 }
 

@@ -27,47 +27,49 @@ static bool are_seeds_valid(const StyBundle *bundle, const StySeeds *seeds, int 
   return seeds->table >= 0 && (uint32_t)seeds->table < bundle->textures[STY_BUNDLE_JITTER].layers;
 }
 
-static void find_row(const unsigned char *jitter, int amount, Point p, int count, int level, StySeedOffset *out) {
-  for (int k = 0; k < count; k++) {
-    const Point seed = find_seed(jitter, amount, (Point){p.x + k, p.y}, level);
-    out[k] = (StySeedOffset){(int8_t)(seed.x - p.x - k), (int8_t)(seed.y - p.y)};
-  }
+static void find_rows(const unsigned char *jitter, int amount, int level, Point p, int count, int rows,
+                      StySeedOffset *out, size_t stride) {
+  for (int y = p.y; y < p.y + rows; y++, out += stride)
+    for (int k = 0; k < count; k++) {
+      const Point seed = find_seed(jitter, amount, (Point){p.x + k, y}, level);
+      out[k] = (StySeedOffset){(int8_t)(seed.x - p.x - k), (int8_t)(seed.y - y)};
+    }
 }
 
-static void find_row_by(StyRuntimePath path, const unsigned char *jitter, int amount, Point p, int count, int level,
-                        StySeedOffset *out) {
+static void find_rows_by(StyRuntimePath path, const unsigned char *jitter, int amount, int level, Point p, int count,
+                         int rows, StySeedOffset *out, size_t stride) {
   switch (path) {
-    case STY_PATH_PORTABLE: sty_fill_seeds_portable(jitter, amount, p, count, level, out); break;
-    case STY_PATH_AVX2: sty_fill_seeds_avx2(jitter, amount, p, count, level, out); break;
-    case STY_PATH_AVX512: sty_fill_seeds_avx512(jitter, amount, p, count, level, out); break;
-    default: find_row(jitter, amount, p, count, level, out);
+    case STY_PATH_PORTABLE: sty_fill_seeds_portable(jitter, amount, level, p, count, rows, out, stride); break;
+    case STY_PATH_AVX2: sty_fill_seeds_avx2(jitter, amount, level, p, count, rows, out, stride); break;
+    case STY_PATH_AVX512: sty_fill_seeds_avx512(jitter, amount, level, p, count, rows, out, stride); break;
+    default: find_rows(jitter, amount, level, p, count, rows, out, stride);
   }
 }
 
-/* The table repeats every 256 cells, so low levels are mostly copies. `row` is that of y, y0 the first to be filled. */
-static void fill_row(StyRuntimePath path, const unsigned char *jitter, const StySeeds *seeds, int level, int y, int y0,
-                     StySeedOffset *row) {
-  const int width = seeds->area.x1 - seeds->area.x0;
+/* One level of the rows y0..y1-1. The table repeats every 256 cells, so low levels are mostly copies. */
+static void fill_level(StyRuntimePath path, const unsigned char *jitter, const StySeeds *seeds, int level, int y0,
+                       int y1) {
+  const StyRect area = seeds->area;
+  const int width = area.x1 - area.x0, rows = y1 - y0;
   const int period = path == STY_PATH_REFERENCE ? INT32_MAX : STY_JITTER_SIZE << level;
-  if (y - y0 >= period) {
-    memcpy(row, row - (size_t)period * (size_t)width, sizeof *row * (size_t)width);
-    return;
+  const int fresh_width = width < period ? width : period, fresh_rows = rows < period ? rows : period;
+  const size_t stride = (size_t)width, plane = stride * (size_t)(area.y1 - area.y0);
+  StySeedOffset *out = seeds->offsets + (size_t)(level - 1) * plane + (size_t)(y0 - area.y0) * stride;
+  find_rows_by(path, jitter, seeds->amount, level, (Point){area.x0, y0}, fresh_width, fresh_rows, out, stride);
+  for (int row = 0; row < rows; row++) {
+    StySeedOffset *offsets = out + (size_t)row * stride;
+    if (row >= fresh_rows)
+      memcpy(offsets, offsets - (size_t)period * stride, sizeof *out * stride);
+    else
+      for (int k = fresh_width; k < width; k += fresh_width)
+        memcpy(offsets + k, offsets, sizeof *out * (size_t)(width - k < fresh_width ? width - k : fresh_width));
   }
-  const int fresh = width < period ? width : period;
-  find_row_by(path, jitter, seeds->amount, (Point){seeds->area.x0, y}, fresh, level, row);
-  for (int k = fresh; k < width; k += fresh)
-    memcpy(row + k, row, sizeof *row * (size_t)(width - k < fresh ? width - k : fresh));
 }
 
 StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, int y0, int y1, StyRuntimePath path) {
   if (!are_seeds_valid(bundle, seeds, y0, y1) || !sty_has_path(path)) return STY_RUNTIME_BAD_ARGUMENT;
   const unsigned char *jitter = get_layer(&bundle->textures[STY_BUNDLE_JITTER], (size_t)seeds->table);
-  const StyRect area = seeds->area;
-  const size_t width = (size_t)(area.x1 - area.x0), height = (size_t)(area.y1 - area.y0);
-  const StyRuntimePath chosen = sty_choose_path(path);
   for (int level = 1; level <= STY_SEED_LEVELS; level++)
-    for (int y = y0; y < y1; y++)
-      fill_row(chosen, jitter, seeds, level, y, y0,
-               seeds->offsets + ((size_t)(level - 1) * height + (size_t)(y - area.y0)) * width);
+    fill_level(sty_choose_path(path), jitter, seeds, level, y0, y1);
   return STY_RUNTIME_OK;
 }

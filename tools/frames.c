@@ -1,0 +1,146 @@
+#include "frames.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "stylut/guide.h"
+#include "stylut/image_io.h"
+
+void free_frame(FilledFrame *filled) {
+  free(filled->guide);
+  free(filled->styles);
+  free(filled->luma);
+  free(filled->albedo);
+  free(filled->objects);
+  free(filled->fine);
+  free(filled->depth);
+}
+
+/* Room for a part of the frame, where the guide has it. */
+static void *allocate_part(bool has, size_t bytes, bool *failed) {
+  void *part = has ? malloc(bytes) : NULL;
+  *failed = *failed || (has && !part);
+  return part;
+}
+
+static StyStatus allocate_frame(FilledFrame *filled, const StyImage *image, StyError *error) {
+  const size_t pixels = sty_count_pixels(image);
+  bool failed = false;
+  filled->guide = allocate_part(true, 4 * pixels, &failed);
+  filled->fine = allocate_part(image->bits > 8, 2 * pixels * sizeof *filled->fine, &failed);
+  filled->depth = allocate_part(sty_find_channel(image, "depth.Z"), pixels * sizeof *filled->depth, &failed);
+  filled->styles = allocate_part(filled->frame.style == 0, pixels, &failed);
+  filled->luma = allocate_part(sty_find_channel(image, "luma.Y"), pixels, &failed);
+  filled->albedo = allocate_part(sty_find_channel(image, "albedo.R"), 4 * pixels, &failed);
+  filled->objects = allocate_part(sty_find_channel(image, "object.I"), pixels * sizeof *filled->objects, &failed);
+  return failed ? sty_fail_memory(error, "frame", (double)pixels * 24) : STY_OK;
+}
+
+/* The guide's bytes, and coverage as the file has it, not just 0 and 255: it becomes the picture's alpha. */
+static StyStatus fill_guide(const StyImage *image, uint8_t *guide, StyError *error) {
+  const float *alpha = sty_find_channel(image, "A");
+  StyImage *encoded = NULL;
+  StyStatus status = sty_encode_normals(image, 8, &encoded, error);
+  if (!status) status = sty_convert_to_rgba8("guide", encoded, guide, error);
+  sty_destroy_image(&encoded);
+  for (size_t i = 0; !status && i < sty_count_pixels(image); i++) {
+    const float covered = alpha[i] > 0 ? alpha[i] * 255.0f + 0.5f : 0;
+    guide[4 * i + 3] = covered < 1 ? covered > 0 : covered < 255 ? (uint8_t)covered : 255;
+  }
+  return status;
+}
+
+/* 0..1 to 0..most, rounded; what isn't a number is 0. */
+static int round_share(double value, int most) { return value > 0 ? (int)(fmin(value, 1) * most + 0.5) : 0; }
+
+/* As sRGB holds scene-linear reflectance: the encoding of exemplars. */
+static uint8_t encode_srgb(float value) {
+  return (uint8_t)round_share(value <= 0.0031308f ? value * 12.92 : 1.055 * pow(value, 1 / 2.4) - 0.055, 255);
+}
+
+static void fill_albedo(const StyImage *image, uint8_t *albedo) {
+  static const char *const names[] = {"albedo.R", "albedo.G", "albedo.B"};
+  for (size_t c = 0; c < 3; c++) {
+    const float *plane = sty_find_channel(image, names[c]);
+    for (size_t i = 0; i < sty_count_pixels(image); i++) albedo[4 * i + c] = plane ? encode_srgb(plane[i]) : 255;
+  }
+  for (size_t i = 0; i < sty_count_pixels(image); i++) albedo[4 * i + 3] = 255;
+}
+
+static void fill_values(const StyImage *image, FilledFrame *out) {
+  const float *x = sty_find_channel(image, "normal.X"), *y = sty_find_channel(image, "normal.Y");
+  const float *depth = sty_find_channel(image, "depth.Z"), *ids = sty_find_channel(image, "style.I");
+  const float *luma = sty_find_channel(image, "luma.Y"), *objects = sty_find_channel(image, "object.I");
+  for (size_t i = 0; i < sty_count_pixels(image); i++) {
+    if (out->fine) out->fine[2 * i] = x[i], out->fine[2 * i + 1] = y[i];
+    if (out->depth) out->depth[i] = depth[i];
+    if (out->styles) out->styles[i] = ids && ids[i] >= 1 && ids[i] <= 255 ? (uint8_t)ids[i] : 0;
+    if (out->luma) out->luma[i] = (uint8_t)round_share(luma[i], 255);
+    if (out->objects) out->objects[i] = objects[i] >= 1 && objects[i] <= 65535 ? (uint16_t)objects[i] : 0;
+  }
+  if (out->albedo) fill_albedo(image, out->albedo);
+}
+
+StyStatus fill_frame(const StyImage *image, int style, FilledFrame *out, StyError *error) {
+  *out = (FilledFrame){.frame = {.width = image->width, .height = image->height, .style = style}};
+  StyStatus status = allocate_frame(out, image, error);
+  if (!status) status = fill_guide(image, out->guide, error);
+  if (status) return status;
+  fill_values(image, out);
+  out->frame.guide = out->guide;
+  out->frame.fine = out->fine;
+  out->frame.depth = out->depth;
+  out->frame.styles = out->styles;
+  out->frame.luma = out->luma;
+  out->frame.albedo = out->albedo;
+  out->frame.objects = out->objects;
+  return STY_OK;
+}
+
+StyStatus require_frame(Options *options, const char *guide) {
+  StyImageFormat format;
+  if (!guide)
+    return sty_fail(&options->error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
+  const StyStatus status = require_output(options);
+  if (status) return status;
+  if (sty_get_image_format(options->output, &format, NULL) || format != STY_IMAGE_PNG)
+    return sty_fail(&options->error, STY_ERROR_USAGE,
+                    "option '--output': found '%s', expected a name that ends in .png", options->output);
+  return STY_OK;
+}
+
+StyStatus refuse_argument(Options *options, const char *text) {
+  return sty_fail(&options->error, STY_ERROR_USAGE, "found '%s', expected options alone", text);
+}
+
+StyStatus write_picture(const Options *options, const char *command, int width, int height, int bits,
+                        const void *picture, const char *const *inputs, int input_count, StyError *error) {
+  static const char *const names[] = {"R", "G", "B", "A"};
+  StyImage *image = NULL;
+  StyStatus status = sty_create_image(width, height, 4, names, bits, &image, error);
+  if (status) return status;
+  const size_t pixels = sty_count_pixels(image);
+  for (size_t i = 0; i < pixels; i++)
+    for (size_t c = 0; c < 4; c++)
+      image->data[c * pixels + i] = bits == 8 ? (float)((const uint8_t *)picture)[4 * i + c] / 255.0f
+                                              : (float)((const uint16_t *)picture)[4 * i + c] / 65535.0f;
+  status = add_history(options, command, image, inputs, input_count, error);
+  if (!status) status = sty_write_image(options->output, image, error);
+  sty_destroy_image(&image);
+  return status;
+}
+
+StyStatus report_picture(const Options *options, const char *schema, const char *guide, const StyFrame *frame,
+                         StyError *error) {
+  size_t covered = 0;
+  for (size_t i = 0; i < (size_t)frame->width * (size_t)frame->height; i++) covered += frame->guide[4 * i + 3] > 0;
+  if (!covered) warn(options, "%s: found no covered pixel, expected a frame that shows something", clean_text(guide));
+  if (options->json)
+    return print_json(json_pack("{s:s, s:[ii], s:I}", "schema", schema, "size", frame->width, frame->height, "covered",
+                                (json_int_t)covered),
+                      error);
+  if (!options->quiet)
+    printf("%s: %dx%d, %zu pixels covered\n", clean_text(options->output), frame->width, frame->height, covered);
+  return STY_OK;
+}
