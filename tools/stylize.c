@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "frames.h"
 #include "inputs.h"
 #include "options.h"
 #include "passes.h"
@@ -90,63 +91,22 @@ static const struct argp parser = {
 /* A frame and all that is computed for it. */
 typedef struct Work {
   const StyBundle *bundle;
-  StyFrame frame;
-  uint8_t *guide, *styles;
-  float *fine, *depth;
+  FilledFrame filled;
   StyMatch *matches;
   int bits;
   void *picture;
 } Work;
 
 static void destroy_work(Work *work) {
-  free(work->guide);
-  free(work->styles);
-  free(work->fine);
-  free(work->depth);
+  free_frame(&work->filled);
   free(work->matches);
   free(work->picture);
 }
 
-static StyStatus allocate_work(Work *work, const StyImage *image, StyError *error) {
-  const size_t pixels = sty_count_pixels(image);
-  const bool fine = image->bits > 8, depth = sty_find_channel(image, "depth.Z"), styles = work->frame.style == 0;
-  work->guide = malloc(4 * pixels);
+static StyStatus allocate_work(Work *work, size_t pixels, StyError *error) {
   work->matches = malloc(pixels * sizeof *work->matches);
   work->picture = malloc(pixels * 4 * (size_t)work->bits / 8);
-  if (fine) work->fine = malloc(2 * pixels * sizeof *work->fine);
-  if (depth) work->depth = malloc(pixels * sizeof *work->depth);
-  if (styles) work->styles = malloc(pixels);
-  if (!work->guide || !work->matches || !work->picture || (fine && !work->fine) || (depth && !work->depth) ||
-      (styles && !work->styles))
-    return sty_fail_memory(error, "frame", (double)pixels * 32);
-  return STY_OK;
-}
-
-/* Fills the frame from the guide image. */
-static StyStatus fill_frame(Work *work, const StyImage *image, StyError *error) {
-  const size_t pixels = sty_count_pixels(image);
-  StyImage *encoded = NULL;
-  StyStatus status = sty_encode_normals(image, 8, &encoded, error);
-  if (!status) status = sty_convert_to_rgba8("guide", encoded, work->guide, error);
-  sty_destroy_image(&encoded);
-  if (status) return status;
-  const float *alpha = sty_find_channel(image, "A"), *x = sty_find_channel(image, "normal.X"),
-              *y = sty_find_channel(image, "normal.Y");
-  const float *depth = sty_find_channel(image, "depth.Z"), *ids = sty_find_channel(image, "style.I");
-  for (size_t i = 0; i < pixels; i++) {
-    /* Coverage as the file has it, not just 0 and 255: it becomes the picture's alpha. */
-    const float covered = alpha[i] > 0 ? alpha[i] * 255.0f + 0.5f : 0;
-    work->guide[4 * i + 3] = covered < 1 ? covered > 0 : covered < 255 ? (uint8_t)covered : 255;
-    if (work->fine) work->fine[2 * i] = x[i], work->fine[2 * i + 1] = y[i];
-    if (work->depth) work->depth[i] = depth[i];
-    if (work->styles) work->styles[i] = ids[i] >= 1 && ids[i] <= 255 ? (uint8_t)ids[i] : 0;
-  }
-  work->frame.width = image->width;
-  work->frame.height = image->height;
-  work->frame.guide = work->guide;
-  work->frame.fine = work->fine;
-  work->frame.depth = work->depth;
-  work->frame.styles = work->styles;
+  if (!work->matches || !work->picture) return sty_fail_memory(error, "picture", (double)pixels * 16);
   return STY_OK;
 }
 
@@ -156,7 +116,8 @@ static StyStatus draw_rgba(const Work *work, int bits, float (*get)(const Work *
                            StyImage **out, StyError *error) {
   static const char *const names[] = {"R", "G", "B", "A"};
   StyImage *image = NULL;
-  const StyStatus status = sty_create_image(work->frame.width, work->frame.height, 4, names, bits, &image, error);
+  const StyStatus status =
+      sty_create_image(work->filled.frame.width, work->filled.frame.height, 4, names, bits, &image, error);
   if (status) return status;
   const size_t pixels = sty_count_pixels(image);
   for (int c = 0; c < 4; c++)
@@ -176,8 +137,8 @@ static float get_chunk(const Work *work, size_t pixel, int channel) {
   const StyMatch *match = &work->matches[pixel];
   if (match->level == STY_LEVEL_NONE) return 0;
   if (channel == 3) return 255;
-  const uint32_t dx = (uint32_t)match->x - (uint32_t)(pixel % (size_t)work->frame.width);
-  const uint32_t dy = (uint32_t)match->y - (uint32_t)(pixel / (size_t)work->frame.width);
+  const uint32_t dx = (uint32_t)match->x - (uint32_t)(pixel % (size_t)work->filled.frame.width);
+  const uint32_t dy = (uint32_t)match->y - (uint32_t)(pixel / (size_t)work->filled.frame.width);
   uint32_t hash = dx * 0x9e3779b1u ^ dy * 0x85ebca6bu;
   hash = (hash ^ hash >> 15) * 0x2c1b3c6du;
   hash ^= hash >> 13;
@@ -195,8 +156,8 @@ static StyStatus draw_chunks(const Work *work, StyImage **out, StyError *error) 
 static StyStatus draw_field(const Work *work, StyImage **out, StyError *error) {
   const StyTexture *source = &work->bundle->textures[STY_BUNDLE_GUIDES];
   StyField *field = NULL;
-  StyStatus status =
-      sty_create_field(work->frame.width, work->frame.height, (int)source->width, (int)source->height, &field, error);
+  StyStatus status = sty_create_field(work->filled.frame.width, work->filled.frame.height, (int)source->width,
+                                      (int)source->height, &field, error);
   if (status) return status;
   for (size_t i = 0; i < (size_t)field->width * (size_t)field->height; i++)
     if (work->matches[i].level != STY_LEVEL_NONE)
@@ -270,13 +231,13 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
          clean_text(arguments->guide), account->unnamed, work->bundle->textures[STY_BUNDLE_GUIDES].layers);
   if (arguments->options.json)
     return print_json(
-        json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->frame.width,
-                  work->frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
+        json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->filled.frame.width,
+                  work->filled.frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
                   pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
         error);
   if (arguments->options.quiet) return STY_OK;
   printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
-         work->frame.width, work->frame.height, account->covered, 100 * share);
+         work->filled.frame.width, work->filled.frame.height, account->covered, 100 * share);
   printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],
          account->times[1], account->times[2], account->times[3], account->times[4]);
   return STY_OK;
@@ -285,19 +246,20 @@ static StyStatus print_report(const Arguments *arguments, const Work *work, cons
 static StyStatus stylize(const Arguments *arguments, Work *work, Account *account, StyError *error) {
   StyRun run = begin_progress(&arguments->options, "transfer");
   const double start = sty_get_milliseconds();
-  StyStatus status = transfer_frame(work->bundle, &work->frame, work->matches, &run, error);
+  StyStatus status = transfer_frame(work->bundle, &work->filled.frame, work->matches, &run, error);
   const double transferred = sty_get_milliseconds();
   end_progress(&arguments->options);
   run = begin_progress(&arguments->options, "blend");
-  if (!status) status = blend_frame(work->bundle, &work->frame, work->matches, work->bits, work->picture, &run, error);
+  if (!status)
+    status = blend_frame(work->bundle, &work->filled.frame, work->matches, work->bits, work->picture, &run, error);
   end_progress(&arguments->options);
   account->times[2] = transferred - start;
   account->times[3] = sty_get_milliseconds() - transferred;
-  for (size_t i = 0; !status && i < (size_t)work->frame.width * (size_t)work->frame.height; i++) {
+  for (size_t i = 0; !status && i < (size_t)work->filled.frame.width * (size_t)work->filled.frame.height; i++) {
     account->covered += work->matches[i].level != STY_LEVEL_NONE;
     account->fallback += work->matches[i].level == STY_LEVEL_FALLBACK;
-    account->unnamed +=
-        work->styles && work->styles[i] && work->guide[4 * i + 3] > 0 && work->matches[i].level == STY_LEVEL_NONE;
+    account->unnamed += work->filled.styles && work->filled.styles[i] && work->filled.guide[4 * i + 3] > 0 &&
+                        work->matches[i].level == STY_LEVEL_NONE;
   }
   return status;
 }
@@ -320,15 +282,16 @@ static StyStatus run(Arguments *arguments) {
   const double loaded = sty_get_milliseconds();
   Work work = {.bundle = &bundle.bundle, .bits = arguments->bits};
   StyImage *guide = NULL;
+  int style = 0;
   status = read_guide(&arguments->options, arguments->guide, &guide, error);
-  if (!status) status = choose_style(arguments, &bundle, guide, &work.frame.style, error);
-  if (!status) status = allocate_work(&work, guide, error);
-  if (!status) status = fill_frame(&work, guide, error);
+  if (!status) status = choose_style(arguments, &bundle, guide, &style, error);
+  if (!status) status = allocate_work(&work, sty_count_pixels(guide), error);
+  if (!status) status = fill_frame(guide, style, &work.filled, error);
   sty_destroy_image(&guide);
   account.times[0] = loaded - start;
   account.times[1] = sty_get_milliseconds() - loaded;
   if (!status && arguments->options.dry_run) {
-    status = report_dry_run(&arguments->options, "%dx%d pixels", work.frame.width, work.frame.height);
+    status = report_dry_run(&arguments->options, "%dx%d pixels", work.filled.frame.width, work.filled.frame.height);
   } else if (!status) {
     status = stylize(arguments, &work, &account, error);
     const double before = sty_get_milliseconds();
