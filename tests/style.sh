@@ -16,9 +16,9 @@ declare -A may=(
   [base]="status image parse parallel file json"
   [bridge]="status image image_io parse parallel file json version"
   [scene]="status image parse parallel file json image_io version mesh scene scene_file repair"
-  [guide]="status image parse parallel file json image_io version mesh scene scene_file guide foreign strokes warp flow simplify"
+  [guide]="status image parse parallel file json image_io version mesh scene scene_file guide foreign strokes warp flow simplify pivots"
   [lut]="status image parse parallel file json version lut match"
-  [audit]="status image parse parallel file json lut audit chart compare probe report"
+  [audit]="status image parse parallel file json lut audit chart compare probe report measure runtime"
   [pack]="status image parse parallel file json ktx2 pack runtime runtime_format"
   [runtime]="runtime runtime_format"
 )

@@ -7,6 +7,7 @@
 
 #include "meshes.h"
 #include "stylut/image_io.h"
+#include "stylut/pivots.h"
 #include "stylut/scene_file.h"
 
 /* A scene, and from where it is seen. */
@@ -96,6 +97,20 @@ static StyStatus protect_scene(const Work *work, StyError *error) {
   return status;
 }
 
+/* What stylize --anchor object goes by. */
+static StyStatus add_pivots(const Work *work, StyImage *image, StyError *error) {
+  const GuideArguments *arguments = work->arguments;
+  StyPivots pivots = {NULL, 0};
+  char *text = NULL;
+  StyStatus status =
+      sty_find_pivots(work->shot.scene, &work->shot.camera, arguments->width, arguments->height, &pivots, error);
+  if (!status) status = sty_encode_pivots(&pivots, &text, error);
+  if (!status) status = sty_set_attribute(image, STY_PIVOTS_ATTRIBUTE, text, error);
+  free(text);
+  sty_free_pivots(&pivots);
+  return status;
+}
+
 static StyStatus open_writer(Work *work, StyImage *like, StyError *error) {
   Options *options = &work->arguments->options;
   const char **inputs = NULL;
@@ -104,6 +119,7 @@ static StyStatus open_writer(Work *work, StyImage *like, StyError *error) {
   if (!status)
     status = add_history(options, work->arguments->mesh ? "guide scene" : "guide sphere", like, inputs, count, error);
   free(inputs);
+  if (!status && work->shot.scene && sty_find_channel(like, "object.I")) status = add_pivots(work, like, error);
   return status ? status : sty_open_image_writer(options->output, like, work->arguments->height, &work->writer, error);
 }
 

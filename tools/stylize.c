@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "anchors.h"
 #include "commands.h"
 #include "frames.h"
 #include "inputs.h"
@@ -18,9 +19,10 @@ typedef struct Arguments {
   Options options;
   const char *bundle, *guide, *style, *nnf, *chunks;
   int bits;
+  AnchorOptions anchors;
 } Arguments;
 
-enum { KEY_GUIDE = 0x200, KEY_STYLE, KEY_NNF, KEY_CHUNKS, KEY_BITS };
+enum { KEY_GUIDE = 0x200, KEY_STYLE, KEY_NNF, KEY_CHUNKS, KEY_BITS, KEY_ANCHOR, KEY_PIVOTS };
 
 static const struct argp_option options_table[] = {
     {"guide", KEY_GUIDE, "FRAME", 0, "guide of the frame: EXR, or an 8- or 16-bit normal map", 0},
@@ -29,6 +31,11 @@ static const struct argp_option options_table[] = {
     {"nnf", KEY_NNF, "FILE.png", 0,
      "write the nearest-neighbour field: 16 bit, R = source x, G = source y, A = covered", 0},
     {"chunks", KEY_CHUNKS, "FILE.png", 0, "write the chunks: one colour for each piece copied as a whole", 0},
+    {"anchor", KEY_ANCHOR, "screen|object", 0,
+     "what pieces ride on: the screen, or each object's pivot, so that one that moves takes its pieces along (default: "
+     "screen)",
+     0},
+    {"pivots", KEY_PIVOTS, "FILE.json", 0, "objects' pivots in pixels (default: as the guide's metadata say)", 0},
     {0},
 };
 
@@ -55,8 +62,10 @@ static StyStatus check_arguments(Arguments *arguments) {
   const char *const paths[] = {arguments->options.output, arguments->nnf, arguments->chunks};
   for (int i = 0; !status && i < 3; i++)
     if (paths[i]) status = check_picture(options[i], paths[i], paths, error);
-  for (int i = 0; !status && i < 3; i++) status = protect_inputs(&arguments->options, paths[i], &arguments->guide, 1);
-  return status;
+  const char *const inputs[] = {arguments->guide, arguments->anchors.pivots};
+  for (int i = 0; !status && i < 3; i++)
+    status = protect_inputs(&arguments->options, paths[i], inputs, arguments->anchors.pivots ? 2 : 1);
+  return status ? status : check_anchors(&arguments->options, &arguments->anchors);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -71,6 +80,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_STYLE: arguments->style = text; break;
     case KEY_NNF: arguments->nnf = text; break;
     case KEY_CHUNKS: arguments->chunks = text; break;
+    case KEY_ANCHOR:
+      status = sty_parse_choice("--anchor", text, anchor_kinds, &arguments->anchors.kind, &arguments->options.error);
+      break;
+    case KEY_PIVOTS: arguments->anchors.pivots = text; break;
     case KEY_BITS: status = parse_bits(&arguments->options, text, &arguments->bits); break;
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -92,6 +105,7 @@ static const struct argp parser = {
 typedef struct Work {
   const StyBundle *bundle;
   FilledFrame filled;
+  Anchors anchors;
   StyMatch *matches;
   int bits;
   void *picture;
@@ -99,6 +113,7 @@ typedef struct Work {
 
 static void destroy_work(Work *work) {
   free_frame(&work->filled);
+  free(work->anchors.places);
   free(work->matches);
   free(work->picture);
 }
@@ -174,8 +189,8 @@ static StyStatus prepare_output(const Arguments *arguments, const char *path, co
   StyStatus status = draw(work, &image, error);
   if (status) return status;
   char *index = sty_join_path(arguments->bundle, STY_BUNDLE_INDEX);
-  const char *const inputs[] = {arguments->guide, index};
-  status = index ? add_history(&arguments->options, "stylize", image, inputs, 2, error)
+  const char *const inputs[] = {arguments->guide, index, arguments->anchors.pivots};
+  status = index ? add_history(&arguments->options, "stylize", image, inputs, arguments->anchors.pivots ? 3 : 2, error)
                  : sty_fail_memory(error, "history", 0);
   free(index);
   if (!status) status = sty_prepare_image(path, image, out, error);
@@ -272,6 +287,18 @@ static StyStatus choose_style(const Arguments *arguments, const StyLoadedBundle 
   return STY_OK;
 }
 
+/* A frame that stands alone is number 0. */
+static StyStatus anchor_frame(const Arguments *arguments, const StyImage *guide, Work *work, StyError *error) {
+  StyPivotFile pivots;
+  StyStatus status = open_pivots(&arguments->anchors, &pivots, error);
+  if (status) return status;
+  status = place_anchors(&arguments->anchors, &pivots, arguments->guide, guide, 0, 1, &work->anchors, error);
+  work->filled.frame.anchors = work->anchors.places;
+  work->filled.frame.anchor_count = work->anchors.count;
+  sty_free_pivot_file(&pivots);
+  return status;
+}
+
 static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
   Account account = {0};
@@ -287,6 +314,7 @@ static StyStatus run(Arguments *arguments) {
   if (!status) status = choose_style(arguments, &bundle, guide, &style, error);
   if (!status) status = allocate_work(&work, sty_count_pixels(guide), error);
   if (!status) status = fill_frame(guide, style, &work.filled, error);
+  if (!status) status = anchor_frame(arguments, guide, &work, error);
   sty_destroy_image(&guide);
   account.times[0] = loaded - start;
   account.times[1] = sty_get_milliseconds() - loaded;
