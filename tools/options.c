@@ -228,7 +228,7 @@ void begin_option(int key, const char *argument, const struct argp_state *state)
   const struct argp_child *groups = state->root_argp->children;
   for (int g = 0; !option && groups && groups[g].argp; g++) option = find_option(groups[g].argp, key);
   if (!option) return;
-  record(options, option->name, argument);
+  if (option->group != UNRECORDED) record(options, option->name, argument);
   if (!is_given(options, option->name) && options->given_count < MOST_OPTIONS)
     options->given[options->given_count++] = option->name;
 }
@@ -538,8 +538,8 @@ StyStatus print_json(json_t *report, StyError *error) {
 }
 
 const char *clean_text(const char *text) {
-  static char buffers[8][1024];
-  static int next;
+  static _Thread_local char buffers[8][1024];
+  static _Thread_local int next;
   char *buffer = buffers[next++ % 8];
   snprintf(buffer, sizeof buffers[0], "%s", text);
   sty_clean_text(buffer);

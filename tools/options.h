@@ -17,6 +17,10 @@ enum { TUNINGS = 3 };
 
 enum { MOST_OPTIONS = 64 }; /* of one command */
 
+/* The argp group of options that say which files are made, or what is said of them, not what they hold: a file's
+ * history has none of them. */
+enum { UNRECORDED = 7 };
+
 /* First member of every command's own arguments. */
 typedef struct Options {
   const char *output;
@@ -140,7 +144,7 @@ double get_held_bytes(void);
 StyStatus print_json(json_t *report, StyError *error);
 
 /* Text for a terminal: control characters become '?'. Valid until the eighth
- * call after; from one thread only. */
+ * call of the same thread after. */
 const char *clean_text(const char *text);
 
 /* Text for JSON, which must be UTF-8: where it isn't, bytes beyond ASCII become '?'. */

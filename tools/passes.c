@@ -1,5 +1,8 @@
 #include "passes.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /* Frames are worked on in bands of so many rows: runs of pixels are longest there. */
 enum { BAND = 32 };
 
@@ -51,4 +54,15 @@ StyStatus blend_frame(const StyBundle *bundle, const StyFrame *frame, const StyM
                       const StyRun *run, StyError *error) {
   Pass pass = {.bundle = bundle, .frame = frame, .matches = matches, .bits = bits, .picture = picture};
   return pass_rects(frame->width, frame->height, blend_rect, &pass, run, error);
+}
+
+StyRuntimePath get_asked_path(void) {
+  static const struct {
+    const char *name;
+    StyRuntimePath path;
+  } units[] = {{"plain", STY_PATH_PORTABLE}, {"avx2", STY_PATH_AVX2}, {"avx512", STY_PATH_AVX512}};
+  const char *asked = getenv("STYLUT_VECTOR");
+  for (int i = 0; asked && i < 3; i++)
+    if (strcmp(asked, units[i].name) == 0 && sty_has_path(units[i].path)) return units[i].path;
+  return STY_PATH_BEST;
 }

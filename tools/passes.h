@@ -15,4 +15,7 @@ StyStatus blend_frame(const StyBundle *bundle, const StyFrame *frame, const StyM
 typedef StyRuntimeStatus PassRect(void *context, StyRect rect);
 StyStatus pass_rects(int width, int height, PassRect *pass, void *context, const StyRun *run, StyError *error);
 
+/* The path that STYLUT_VECTOR names (plain, avx2, avx512), where there is one; else the best. */
+StyRuntimePath get_asked_path(void);
+
 #endif

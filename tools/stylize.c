@@ -1,41 +1,84 @@
-/* stylut stylize BUNDLE --guide FRAME -o OUT.png: the runtime on one frame. */
+/* stylut stylize BUNDLE --guide FRAME -o OUT.png: the runtime on a frame, or on a sequence of them. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "anchors.h"
 #include "commands.h"
-#include "frames.h"
-#include "inputs.h"
 #include "options.h"
 #include "passes.h"
+#include "sequence.h"
+#include "stylize_frame.h"
+#include "stylize_measure.h"
 #include "stylut/image_io.h"
-#include "stylut/match.h"
-#include "stylut/pack.h"
 #include "stylut/parse.h"
-#include "stylut/runtime.h"
 
 typedef struct Arguments {
   Options options;
-  const char *bundle, *guide, *style, *nnf, *chunks;
-  int bits;
+  const char *bundle, *guide, *style, *nnf, *chunks, *range, *measure;
+  int bits, method, resolution;
+  bool skip_missing, force;
+  double fps, flicker;
   AnchorOptions anchors;
 } Arguments;
 
-enum { KEY_GUIDE = 0x200, KEY_STYLE, KEY_NNF, KEY_CHUNKS, KEY_BITS, KEY_ANCHOR, KEY_PIVOTS };
+enum {
+  KEY_GUIDE = 0x200,
+  KEY_STYLE,
+  KEY_NNF,
+  KEY_CHUNKS,
+  KEY_BITS,
+  KEY_METHOD,
+  KEY_RESOLUTION,
+  KEY_ANCHOR,
+  KEY_PIVOTS,
+  KEY_FRAMES,
+  KEY_SKIP_MISSING,
+  KEY_FORCE,
+  KEY_FPS,
+  KEY_FLICKER,
+  KEY_MEASURE
+};
+
+static const char *const method_names[] = {"styleblit", "lit-sphere", "brute", NULL};
+static const char *const resolution_names[] = {"half", "full", "double", NULL};
 
 static const struct argp_option options_table[] = {
-    {"guide", KEY_GUIDE, "FRAME", 0, "guide of the frame: EXR, or an 8- or 16-bit normal map", 0},
+    {"guide", KEY_GUIDE, "FRAME", 0,
+     "guide of the frame: EXR, or an 8- or 16-bit normal map; of a sequence, with %04d or the like for the number, as "
+     "in "
+     "all names of outputs then",
+     0},
     {"style", KEY_STYLE, "N|NAME", 0, "style, by number or name (default: the guide's style.I channel, else 1)", 0},
     {"bits", KEY_BITS, "8|16", 0, "precision of the picture (default: 8)", 0},
     {"nnf", KEY_NNF, "FILE.png", 0,
-     "write the nearest-neighbour field: 16 bit, R = source x, G = source y, A = covered", 0},
-    {"chunks", KEY_CHUNKS, "FILE.png", 0, "write the chunks: one colour for each piece copied as a whole", 0},
+     "write the nearest-neighbour field: 16 bit, R = source x, G = source y, A = covered", UNRECORDED},
+    {"chunks", KEY_CHUNKS, "FILE.png", 0, "write the chunks: one colour for each piece copied as a whole", UNRECORDED},
+    {"method", KEY_METHOD, "NAME", 0,
+     "styleblit (default), lit-sphere (each pixel for itself, as a matcap) or brute (StyleBlit as first stated, for "
+     "small "
+     "pictures)",
+     0},
+    {"resolution", KEY_RESOLUTION, "NAME", 0,
+     "half (pieces are found for every second pixel), full (default) or double (the guide has twice the picture's "
+     "size; "
+     "pieces get smooth edges)",
+     0},
     {"anchor", KEY_ANCHOR, "screen|object", 0,
      "what pieces ride on: the screen, or each object's pivot, so that one that moves takes its pieces along (default: "
      "screen)",
      0},
     {"pivots", KEY_PIVOTS, "FILE.json", 0, "objects' pivots in pixels (default: as the guide's metadata say)", 0},
+    {"frames", KEY_FRAMES, "A-B[xSTEP]", 0, "frames of the sequence (default: those on disk, none missing between)",
+     UNRECORDED},
+    {"skip-missing", KEY_SKIP_MISSING, NULL, 0, "go on where a frame of the sequence is missing", UNRECORDED},
+    {"force", KEY_FORCE, NULL, 0, "draw frames anew that are there, made by this command of these inputs", UNRECORDED},
+    {"flicker", KEY_FLICKER, "D", 0, "drawings a second: so often pieces are laid anew (default: as the bundle says)",
+     0},
+    {"fps", KEY_FPS, "F", 0, "frames a second, for --flicker (default: 24)", 0},
+    {"measure", KEY_MEASURE, "FILE.json", 0,
+     "how steady and how coarse the sequence is: warping error, jumps, SSIM, FLIP, chunks, levels, repetition",
+     UNRECORDED},
     {0},
 };
 
@@ -49,6 +92,39 @@ static StyStatus check_picture(const char *option, const char *path, const char 
       return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s' twice, expected a name of its own", option,
                       path);
   return STY_OK;
+}
+
+static StyStatus check_patterns(Arguments *arguments, const char *const paths[3]) {
+  static const char *const options[] = {"--output", "--nnf", "--chunks"};
+  StyError *error = &arguments->options.error;
+  bool is_sequence, is_pattern;
+  StyStatus status = find_pattern("--guide", arguments->guide, &is_sequence, error);
+  for (int i = 0; !status && i < 3; i++) {
+    if (!paths[i]) continue;
+    status = find_pattern(options[i], paths[i], &is_pattern, error);
+    if (!status && is_pattern != is_sequence)
+      status = sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected %s", options[i], paths[i],
+                        is_sequence ? "%d or %0Nd for the frame's number, as in --guide's name"
+                                    : "no place for a number, since --guide's name has none");
+  }
+  const OptionNeed needs[] = {{"frames", is_sequence, "a sequence: %d or %0Nd in --guide's name"},
+                              {"skip-missing", is_sequence, "a sequence: %d or %0Nd in --guide's name"},
+                              {"force", is_sequence, "a sequence: %d or %0Nd in --guide's name"},
+                              {"flicker", is_sequence, "a sequence: %d or %0Nd in --guide's name"},
+                              {"measure", arguments->resolution != RESOLUTION_DOUBLE, "--resolution half or full"},
+                              {"fps", arguments->flicker > 0, "--flicker"},
+                              {"anchor", arguments->method == METHOD_STYLEBLIT, "--method styleblit"},
+                              {"resolution", arguments->method == METHOD_STYLEBLIT, "--method styleblit"}};
+  return status ? status : check_needs(&arguments->options, needs, sizeof needs / sizeof *needs);
+}
+
+/* A drawing lasts a whole number of frames. */
+static StyStatus check_flicker(Arguments *arguments) {
+  const double period = arguments->fps / (arguments->flicker > 0 ? arguments->flicker : arguments->fps);
+  if (period >= 1 && period <= STY_MAX_PERIOD && period == (double)(int)period) return STY_OK;
+  return sty_fail(&arguments->options.error, STY_ERROR_USAGE,
+                  "option '--flicker': found %g drawings for %g frames a second, expected a number that divides them",
+                  arguments->flicker, arguments->fps);
 }
 
 static StyStatus check_arguments(Arguments *arguments) {
@@ -65,11 +141,21 @@ static StyStatus check_arguments(Arguments *arguments) {
   const char *const inputs[] = {arguments->guide, arguments->anchors.pivots};
   for (int i = 0; !status && i < 3; i++)
     status = protect_inputs(&arguments->options, paths[i], inputs, arguments->anchors.pivots ? 2 : 1);
+  if (!status && arguments->measure) status = require_folder(&arguments->options, arguments->measure);
+  if (!status)
+    status = protect_inputs(&arguments->options, arguments->measure, inputs, arguments->anchors.pivots ? 2 : 1);
+  if (!status) status = check_patterns(arguments, paths);
+  if (!status) status = check_flicker(arguments);
   return status ? status : check_anchors(&arguments->options, &arguments->anchors);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
+  const ChoiceOption choices[] = {{KEY_METHOD, "--method", method_names, &arguments->method},
+                                  {KEY_RESOLUTION, "--resolution", resolution_names, &arguments->resolution},
+                                  {KEY_ANCHOR, "--anchor", anchor_kinds, &arguments->anchors.kind}};
+  const NumberOption numbers[] = {{KEY_FPS, "--fps", 1, 1000, &arguments->fps},
+                                  {KEY_FLICKER, "--flicker", 0.001, 1000, &arguments->flicker}};
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
@@ -80,12 +166,15 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_STYLE: arguments->style = text; break;
     case KEY_NNF: arguments->nnf = text; break;
     case KEY_CHUNKS: arguments->chunks = text; break;
-    case KEY_ANCHOR:
-      status = sty_parse_choice("--anchor", text, anchor_kinds, &arguments->anchors.kind, &arguments->options.error);
-      break;
     case KEY_PIVOTS: arguments->anchors.pivots = text; break;
+    case KEY_FRAMES: arguments->range = text; break;
+    case KEY_SKIP_MISSING: arguments->skip_missing = true; break;
+    case KEY_FORCE: arguments->force = true; break;
+    case KEY_MEASURE: arguments->measure = text; break;
     case KEY_BITS: status = parse_bits(&arguments->options, text, &arguments->bits); break;
-    default: return ARGP_ERR_UNKNOWN;
+    case KEY_FPS:
+    case KEY_FLICKER: return parse_number_option(&arguments->options, numbers, 2, key, text);
+    default: return parse_choice_option(&arguments->options, choices, 3, key, text);
   }
   return end_option(status);
 }
@@ -97,243 +186,268 @@ static const struct argp parser = {
     .args_doc = "BUNDLE --guide FRAME -o OUT.png",
     .doc =
         "Dresses a frame in a bundle's style: each pixel takes a piece of the exemplar whose surface faces the same "
-        "way.\vThe picture's alpha is the frame's coverage times the exemplar's alpha.",
+        "way.\vThe picture's alpha is the frame's coverage times the exemplar's alpha.\n\nFrames of a sequence are "
+        "drawn side by side on all threads. Those that are there already, made by the same command of the same inputs, "
+        "are kept, so that a run that was cut off goes on where it was.",
     .children = children,
 };
 
-/* A frame and all that is computed for it. */
-typedef struct Work {
-  const StyBundle *bundle;
-  FilledFrame filled;
-  Anchors anchors;
-  StyMatch *matches;
-  int bits;
-  void *picture;
-} Work;
+/* ---- frames ----------------------------------------------------------------------- */
 
-static void destroy_work(Work *work) {
-  free_frame(&work->filled);
-  free(work->anchors.places);
-  free(work->matches);
-  free(work->picture);
+/* Names of one frame of a sequence; they are the caller's. */
+typedef struct Names {
+  FrameFiles files;
+  char *guide, *output, *nnf, *chunks;
+} Names;
+
+static void free_names(Names *names) {
+  free(names->guide);
+  free(names->output);
+  free(names->nnf);
+  free(names->chunks);
 }
 
-static StyStatus allocate_work(Work *work, size_t pixels, StyError *error) {
-  work->matches = malloc(pixels * sizeof *work->matches);
-  work->picture = malloc(pixels * 4 * (size_t)work->bits / 8);
-  if (!work->matches || !work->picture) return sty_fail_memory(error, "picture", (double)pixels * 16);
+static StyStatus make_names(const Arguments *arguments, int number, Names *out, StyError *error) {
+  out->guide = name_frame(arguments->guide, number);
+  out->output = name_frame(arguments->options.output, number);
+  out->nnf = arguments->nnf ? name_frame(arguments->nnf, number) : NULL;
+  out->chunks = arguments->chunks ? name_frame(arguments->chunks, number) : NULL;
+  out->files = (FrameFiles){out->guide, out->output, out->nnf, out->chunks, number};
+  if (!out->guide || !out->output || (arguments->nnf && !out->nnf) || (arguments->chunks && !out->chunks))
+    return sty_fail_memory(error, "frame", 0);
   return STY_OK;
 }
 
-/* ---- what is written ---- */
+/* A frame in the making. */
+typedef struct Slot {
+  Names names;
+  Work work;
+  bool is_kept, is_drawn;
+} Slot;
 
-static StyStatus draw_rgba(const Work *work, int bits, float (*get)(const Work *work, size_t pixel, int channel),
-                           StyImage **out, StyError *error) {
-  static const char *const names[] = {"R", "G", "B", "A"};
-  StyImage *image = NULL;
-  const StyStatus status =
-      sty_create_image(work->filled.frame.width, work->filled.frame.height, 4, names, bits, &image, error);
+/* Frames side by side: as many as there are threads. */
+enum { MOST_SLOTS = 64 };
+typedef struct Batch {
+  const Arguments *arguments;
+  const Request *request;
+  bool is_sequence;
+  const int *numbers;
+  int count;
+  StyRun inner; /* of one frame */
+  Slot slots[MOST_SLOTS];
+} Batch;
+
+static StyStatus draw_slot(void *context, long i, StyError *error) {
+  Batch *batch = context;
+  Slot *slot = &batch->slots[i];
+  const FrameFiles *files = &slot->names.files;
+  const bool is_measured = batch->arguments->measure;
+  StyStatus status = make_names(batch->arguments, batch->numbers[i], &slot->names, error);
   if (status) return status;
-  const size_t pixels = sty_count_pixels(image);
-  for (int c = 0; c < 4; c++)
-    for (size_t i = 0; i < pixels; i++)
-      image->data[(size_t)c * pixels + i] = get(work, i, c) / (bits == 8 ? 255.0f : 65535.0f);
-  *out = image;
-  return STY_OK;
-}
-
-static float get_picture(const Work *work, size_t pixel, int channel) {
-  const size_t i = 4 * pixel + (size_t)channel;
-  return work->bits == 8 ? (float)((const uint8_t *)work->picture)[i] : (float)((const uint16_t *)work->picture)[i];
-}
-
-/* Pixels of one chunk share the offset between picture and source. */
-static float get_chunk(const Work *work, size_t pixel, int channel) {
-  const StyMatch *match = &work->matches[pixel];
-  if (match->level == STY_LEVEL_NONE) return 0;
-  if (channel == 3) return 255;
-  const uint32_t dx = (uint32_t)match->x - (uint32_t)(pixel % (size_t)work->filled.frame.width);
-  const uint32_t dy = (uint32_t)match->y - (uint32_t)(pixel / (size_t)work->filled.frame.width);
-  uint32_t hash = dx * 0x9e3779b1u ^ dy * 0x85ebca6bu;
-  hash = (hash ^ hash >> 15) * 0x2c1b3c6du;
-  hash ^= hash >> 13;
-  return (float)(64 + (hash >> 8 * channel & 255) * 3 / 4);
-}
-
-static StyStatus draw_picture(const Work *work, StyImage **out, StyError *error) {
-  return draw_rgba(work, work->bits, get_picture, out, error);
-}
-
-static StyStatus draw_chunks(const Work *work, StyImage **out, StyError *error) {
-  return draw_rgba(work, 8, get_chunk, out, error);
-}
-
-static StyStatus draw_field(const Work *work, StyImage **out, StyError *error) {
-  const StyTexture *source = &work->bundle->textures[STY_BUNDLE_GUIDES];
-  StyField *field = NULL;
-  StyStatus status = sty_create_field(work->filled.frame.width, work->filled.frame.height, (int)source->width,
-                                      (int)source->height, &field, error);
-  if (status) return status;
-  for (size_t i = 0; i < (size_t)field->width * (size_t)field->height; i++)
-    if (work->matches[i].level != STY_LEVEL_NONE)
-      field->pixels[i] = work->matches[i].y * source->width + work->matches[i].x;
-  status = sty_encode_field(field, 16, out, error);
-  sty_destroy_field(&field);
+  slot->is_kept = batch->is_sequence && !batch->arguments->force && is_kept(batch->request, files);
+  if (slot->is_kept && !is_measured) return STY_OK;
+  status = open_work(batch->request, files, &slot->work, error);
+  if (!status) status = draw_work(batch->request, files, &slot->work, &batch->inner, error);
+  slot->is_drawn = !status;
+  if (!status && !slot->is_kept) status = write_work(batch->request, files, &slot->work, error);
   return status;
 }
 
-static StyStatus prepare_output(const Arguments *arguments, const char *path, const Work *work,
-                                StyStatus (*draw)(const Work *work, StyImage **out, StyError *error), StyOutput *out,
-                                StyError *error) {
-  StyImage *image = NULL;
-  StyStatus status = draw(work, &image, error);
-  if (status) return status;
-  char *index = sty_join_path(arguments->bundle, STY_BUNDLE_INDEX);
-  const char *const inputs[] = {arguments->guide, index, arguments->anchors.pivots};
-  status = index ? add_history(&arguments->options, "stylize", image, inputs, arguments->anchors.pivots ? 3 : 2, error)
-                 : sty_fail_memory(error, "history", 0);
-  free(index);
-  if (!status) status = sty_prepare_image(path, image, out, error);
-  sty_destroy_image(&image);
-  return status;
-}
-
-/* All or none: what was asked for appears once everything is written. */
-static StyStatus write_pictures(const Arguments *arguments, const Work *work, StyError *error) {
-  StyOutput outputs[3];
-  int count = 0;
-  StyStatus status = prepare_output(arguments, arguments->options.output, work, draw_picture, &outputs[count], error);
-  if (!status) count++;
-  if (!status && arguments->nnf) {
-    status = prepare_output(arguments, arguments->nnf, work, draw_field, &outputs[count], error);
-    if (!status) count++;
-  }
-  if (!status && arguments->chunks) {
-    status = prepare_output(arguments, arguments->chunks, work, draw_chunks, &outputs[count], error);
-    if (!status) count++;
-  }
-  for (int i = 0; i < count; i++) {
-    if (status)
-      sty_discard_output(&outputs[i]);
-    else
-      status = sty_commit_output(&outputs[i], error);
-  }
-  return status;
-}
-
-/* Share of pixels without a piece: no exemplar is that poor in directions. */
-static const double hopeless = 0.5;
-
+/* What all frames together took and gave. */
 typedef struct Account {
+  int drawn, kept;
+  int width, height;
   size_t covered, fallback;
-  size_t unnamed;  /* pixels whose style.I is that of no style */
   double times[5]; /* load, read, transfer, blend, write */
 } Account;
 
-static StyStatus print_report(const Arguments *arguments, const Work *work, const Account *account, StyError *error) {
-  static const char *const stages[] = {"load", "read", "transfer", "blend", "write"};
-  const double share = account->covered ? (double)account->fallback / (double)account->covered : 0;
-  if (!account->covered && !account->unnamed)
-    warn(&arguments->options, "%s: found no covered pixel, expected a frame that shows something",
-         clean_text(arguments->guide));
-  if (share > hopeless)
-    warn(&arguments->options,
-         "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the convention of "
-         "the bundle's guide, or a larger threshold",
-         clean_text(arguments->guide), 100 * share);
-  if (account->unnamed)
-    warn(&arguments->options, "%s: found %zu pixels whose style.I the bundle has no style for, expected 1 to %u, or 0",
-         clean_text(arguments->guide), account->unnamed, work->bundle->textures[STY_BUNDLE_GUIDES].layers);
-  if (arguments->options.json)
-    return print_json(
-        json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size", work->filled.frame.width,
-                  work->filled.frame.height, "covered", (json_int_t)account->covered, "fallback", share, "time_ms",
-                  pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes()),
-        error);
-  if (arguments->options.quiet) return STY_OK;
-  printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
-         work->filled.frame.width, work->filled.frame.height, account->covered, 100 * share);
-  printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],
-         account->times[1], account->times[2], account->times[3], account->times[4]);
-  return STY_OK;
+static void account_for(Account *account, const Slot *slot) {
+  account->kept += slot->is_kept;
+  account->drawn += !slot->is_kept;
+  if (!slot->is_drawn) return;
+  account->width = slot->work.width;
+  account->height = slot->work.height;
+  account->covered += slot->work.covered;
+  account->fallback += slot->work.fallback;
+  for (int t = 0; t < 4; t++) account->times[t + 1] += slot->work.times[t];
 }
 
-static StyStatus stylize(const Arguments *arguments, Work *work, Account *account, StyError *error) {
-  StyRun run = begin_progress(&arguments->options, "transfer");
-  const double start = sty_get_milliseconds();
-  StyStatus status = transfer_frame(work->bundle, &work->filled.frame, work->matches, &run, error);
-  const double transferred = sty_get_milliseconds();
-  end_progress(&arguments->options);
-  run = begin_progress(&arguments->options, "blend");
-  if (!status)
-    status = blend_frame(work->bundle, &work->filled.frame, work->matches, work->bits, work->picture, &run, error);
-  end_progress(&arguments->options);
-  account->times[2] = transferred - start;
-  account->times[3] = sty_get_milliseconds() - transferred;
-  for (size_t i = 0; !status && i < (size_t)work->filled.frame.width * (size_t)work->filled.frame.height; i++) {
-    account->covered += work->matches[i].level != STY_LEVEL_NONE;
-    account->fallback += work->matches[i].level == STY_LEVEL_FALLBACK;
-    account->unnamed += work->filled.styles && work->filled.styles[i] && work->filled.guide[4 * i + 3] > 0 &&
-                        work->matches[i].level == STY_LEVEL_NONE;
+/* Reviews and measures a batch in the order of its frames, and empties it. */
+static StyStatus end_batch(Batch *batch, Measures *measures, const StyRun *run, Account *account, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int i = 0; i < batch->count; i++) {
+    Slot *slot = &batch->slots[i];
+    if (slot->is_drawn) review_work(batch->request, &slot->names.files, &slot->work);
+    if (!status && measures && slot->is_drawn)
+      status = measure_work(measures, batch->request, &slot->names.files, &slot->work, run, error);
+    account_for(account, slot);
+    close_work(&slot->work);
+    free_names(&slot->names);
+    *slot = (Slot){.is_kept = false};
   }
   return status;
 }
 
-/* 0 stands for "as the guide's style.I says". */
-static StyStatus choose_style(const Arguments *arguments, const StyLoadedBundle *bundle, const StyImage *guide,
-                              int *style, StyError *error) {
-  if (arguments->style) return sty_find_style("--style", arguments->style, bundle, style, error);
-  *style = sty_find_channel(guide, "style.I") ? 0 : 1;
+static StyStatus draw_frames(const Arguments *arguments, const Request *request, const Sequence *sequence,
+                             Measures *measures, Account *account, StyError *error) {
+  Batch *batch = calloc(1, sizeof *batch);
+  if (!batch) return sty_fail_memory(error, "frames", sizeof *batch);
+  StyRun run = begin_progress(&arguments->options, sequence->is_pattern ? "frames" : "transfer");
+  const StyRun quiet = {.threads = run.threads};
+  const int threads = sty_get_threads(&run), most = threads < MOST_SLOTS ? threads : MOST_SLOTS;
+  StyStatus status = STY_OK;
+  *batch = (Batch){.arguments = arguments, .request = request, .is_sequence = sequence->is_pattern, .inner = run};
+  if (sequence->is_pattern) batch->inner = (StyRun){.threads = 1};
+  for (int first = 0; !status && first < sequence->count; first += batch->count) {
+    batch->numbers = sequence->numbers + first;
+    batch->count = sequence->count - first < most ? sequence->count - first : most;
+    status = sequence->is_pattern ? sty_parallel_for(&quiet, batch->count, draw_slot, batch, error)
+                                  : draw_slot(batch, 0, error);
+    StyError ignored;
+    const StyStatus ended = end_batch(batch, status ? NULL : measures, &quiet, account, status ? &ignored : error);
+    status = status ? status : ended;
+    if (sequence->is_pattern && run.progress)
+      run.progress(run.context, (double)(first + batch->count) / sequence->count);
+  }
+  end_progress(&arguments->options);
+  free(batch);
+  return status;
+}
+
+/* ---- reports ---------------------------------------------------------------------- */
+
+static StyStatus print_report(const Arguments *arguments, const Sequence *sequence, const Account *account,
+                              const Measures *measures, StyError *error) {
+  static const char *const stages[] = {"load", "read", "transfer", "blend", "write"};
+  const double share = account->covered ? (double)account->fallback / (double)account->covered : 0;
+  if (arguments->options.json) {
+    json_t *report = json_pack("{s:s, s:[ii], s:I, s:f, s:o, s:f}", "schema", "stylut-stylize/1", "size",
+                               account->width, account->height, "covered", (json_int_t)account->covered, "fallback",
+                               share, "time_ms", pack_times(stages, account->times, 5), "peak_bytes", get_peak_bytes());
+    if (sequence->is_pattern) {
+      json_object_set_new(report, "drawn", json_integer(account->drawn));
+      json_object_set_new(report, "kept", json_integer(account->kept));
+      json_object_set_new(report, "missing", json_integer(sequence->missing));
+    }
+    return print_json(report, error);
+  }
+  if (arguments->options.quiet) return STY_OK;
+  if (sequence->is_pattern)
+    printf("%s: %d frames drawn, %d kept, %d missing\n", clean_text(arguments->options.output), account->drawn,
+           account->kept, sequence->missing);
+  else
+    printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
+           account->width, account->height, account->covered, 100 * share);
+  printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],
+         account->times[1], account->times[2], account->times[3], account->times[4]);
+  if (measures) print_measures(measures);
   return STY_OK;
 }
 
-/* A frame that stands alone is number 0. */
-static StyStatus anchor_frame(const Arguments *arguments, const StyImage *guide, Work *work, StyError *error) {
-  StyPivotFile pivots;
-  StyStatus status = open_pivots(&arguments->anchors, &pivots, error);
+static StyStatus write_measures(const Arguments *arguments, const Measures *measures, StyError *error) {
+  StyOutput output;
+  StyStatus status = sty_open_output(arguments->measure, &output, error);
   if (status) return status;
-  status = place_anchors(&arguments->anchors, &pivots, arguments->guide, guide, 0, 1, &work->anchors, error);
-  work->filled.frame.anchors = work->anchors.places;
-  work->filled.frame.anchor_count = work->anchors.count;
-  sty_free_pivot_file(&pivots);
+  json_t *report = pack_measures(measures);
+  json_dumpf(report, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+  fputc('\n', output.stream);
+  json_decref(report);
+  return sty_commit_output(&output, error);
+}
+
+/* ---- the command ------------------------------------------------------------------ */
+
+/* The bundle with other jitter periods: a copy of its parameters, which the caller frees. */
+static StyStatus set_flicker(const Arguments *arguments, StyBundle *bundle, unsigned char **out, StyError *error) {
+  StyTexture *params = &bundle->textures[STY_BUNDLE_PARAMS];
+  const size_t size = (size_t)params->width * params->height * params->texel_size;
+  *out = NULL;
+  if (arguments->flicker <= 0) return STY_OK;
+  if (bundle->textures[STY_BUNDLE_JITTER].layers == 1)
+    warn(&arguments->options, "%s: found one jitter table, expected several (pack --jitter-frames) for --flicker",
+         clean_text(arguments->bundle));
+  unsigned char *texels = malloc(size);
+  if (!texels) return sty_fail_memory(error, "parameters", (double)size);
+  memcpy(texels, params->texels, size);
+  const float period = (float)(arguments->fps / arguments->flicker);
+  for (uint32_t style = 0; style < params->width; style++)
+    memcpy(texels + ((size_t)3 * params->width + style) * params->texel_size + sizeof period, &period, sizeof period);
+  params->texels = texels;
+  *out = texels;
+  return STY_OK;
+}
+
+static StyStatus stylize(const Arguments *arguments, const Request *request, const Sequence *sequence, Account *account,
+                         StyError *error) {
+  Measures *measures = arguments->measure ? open_measures() : NULL;
+  StyStatus status = arguments->measure && !measures
+                         ? sty_fail_memory(error, "measures", 0)
+                         : draw_frames(arguments, request, sequence, measures, account, error);
+  if (!status && measures) status = write_measures(arguments, measures, error);
+  if (!status) status = print_report(arguments, sequence, account, measures, error);
+  close_measures(&measures);
+  return status;
+}
+
+/* Looks at the first frame, so that what can't be done is refused. */
+static StyStatus plan(Arguments *arguments, const Request *request, const Sequence *sequence, StyError *error) {
+  Names names = {.guide = NULL};
+  Work work = {.motion = NULL};
+  StyStatus status = make_names(arguments, sequence->numbers[0], &names, error);
+  if (!status) status = open_work(request, &names.files, &work, error);
+  if (!status)
+    status = report_dry_run(&arguments->options, "%d frame%s of %dx%d pixels", sequence->count,
+                            sequence->count == 1 ? "" : "s", work.width, work.height);
+  close_work(&work);
+  free_names(&names);
   return status;
 }
 
 static StyStatus run(Arguments *arguments) {
   StyError *error = &arguments->options.error;
+  StyLoadedBundle loaded;
+  Sequence sequence = {.numbers = NULL};
+  StyPivotFile pivots;
+  unsigned char *params = NULL;
   Account account = {0};
-  StyLoadedBundle bundle;
   const double start = sty_get_milliseconds();
-  StyStatus status = sty_load_bundle(arguments->bundle, NULL, NULL, &bundle, error);
+  StyStatus status = list_frames(arguments->guide, arguments->range, arguments->skip_missing, &sequence, error);
   if (status) return status;
-  const double loaded = sty_get_milliseconds();
-  Work work = {.bundle = &bundle.bundle, .bits = arguments->bits};
-  StyImage *guide = NULL;
-  int style = 0;
-  status = read_guide(&arguments->options, arguments->guide, &guide, error);
-  if (!status) status = choose_style(arguments, &bundle, guide, &style, error);
-  if (!status) status = allocate_work(&work, sty_count_pixels(guide), error);
-  if (!status) status = fill_frame(guide, style, &work.filled, error);
-  if (!status) status = anchor_frame(arguments, guide, &work, error);
-  sty_destroy_image(&guide);
-  account.times[0] = loaded - start;
-  account.times[1] = sty_get_milliseconds() - loaded;
-  if (!status && arguments->options.dry_run) {
-    status = report_dry_run(&arguments->options, "%dx%d pixels", work.filled.frame.width, work.filled.frame.height);
-  } else if (!status) {
-    status = stylize(arguments, &work, &account, error);
-    const double before = sty_get_milliseconds();
-    if (!status) status = write_pictures(arguments, &work, error);
-    account.times[4] = sty_get_milliseconds() - before;
-    if (!status) status = print_report(arguments, &work, &account, error);
+  status = sty_load_bundle(arguments->bundle, NULL, NULL, &loaded, error);
+  if (status) {
+    free(sequence.numbers);
+    return status;
   }
-  destroy_work(&work);
-  sty_unload_bundle(&bundle);
+  StyBundle bundle = loaded.bundle;
+  const Request request = {.options = &arguments->options,
+                           .bundle_path = arguments->bundle,
+                           .loaded = &loaded,
+                           .bundle = &bundle,
+                           .style = arguments->style,
+                           .method = arguments->method,
+                           .resolution = arguments->resolution,
+                           .bits = arguments->bits,
+                           .anchors = &arguments->anchors,
+                           .pivots = &pivots,
+                           .path = get_asked_path()};
+  status = open_pivots(&arguments->anchors, &pivots, error);
+  account.times[0] = sty_get_milliseconds() - start;
+  if (!status) {
+    status = set_flicker(arguments, &bundle, &params, error);
+    if (!status && arguments->options.dry_run)
+      status = plan(arguments, &request, &sequence, error);
+    else if (!status)
+      status = stylize(arguments, &request, &sequence, &account, error);
+    sty_free_pivot_file(&pivots);
+  }
+  free(params);
+  free(sequence.numbers);
+  sty_unload_bundle(&loaded);
   return status;
 }
 
 StyStatus run_stylize(int argc, char **argv) {
-  Arguments arguments = {.bits = 8};
+  Arguments arguments = {.bits = 8, .method = METHOD_STYLEBLIT, .resolution = RESOLUTION_FULL, .fps = 24};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

@@ -1,0 +1,60 @@
+/* One frame of stylize: read, dressed, written. */
+#ifndef STYLUT_TOOLS_STYLIZE_FRAME_H
+#define STYLUT_TOOLS_STYLIZE_FRAME_H
+
+#include "anchors.h"
+#include "frames.h"
+#include "stylut/pack.h"
+
+typedef enum Method { METHOD_STYLEBLIT, METHOD_LIT_SPHERE, METHOD_BRUTE } Method;
+typedef enum Resolution { RESOLUTION_HALF, RESOLUTION_FULL, RESOLUTION_DOUBLE } Resolution;
+
+/* What all frames have in common. */
+typedef struct Request {
+  const Options *options;
+  const char *bundle_path;
+  const StyLoadedBundle *loaded; /* names of styles */
+  const StyBundle *bundle;       /* the same, parameters perhaps changed */
+  const char *style;             /* --style */
+  int method, resolution, bits;
+  const AnchorOptions *anchors;
+  const StyPivotFile *pivots;
+  StyRuntimePath path;
+} Request;
+
+/* Names of one frame; all but guide and output may be NULL. */
+typedef struct FrameFiles {
+  const char *guide, *output, *nnf, *chunks;
+  int number;
+} FrameFiles;
+
+/* A frame and all that is computed for it. The picture has width x height pixels, matches are those of the frame. */
+typedef struct Work {
+  FilledFrame filled;
+  Anchors anchors;
+  float *motion; /* U, then V; NULL: the guide has none */
+  StyMatch *matches;
+  void *picture;
+  int width, height;
+  size_t covered, fallback;
+  size_t unnamed;  /* pixels whose style.I is that of no style */
+  double times[4]; /* read, transfer, blend, write */
+} Work;
+
+/* Reads a frame's guide and fills the frame. Warns of what it lacks for its styles. */
+StyStatus open_work(const Request *request, const FrameFiles *files, Work *out, StyError *error);
+void close_work(Work *work);
+
+/* Draws the picture. */
+StyStatus draw_work(const Request *request, const FrameFiles *files, Work *work, const StyRun *run, StyError *error);
+
+/* All or none: what was asked for appears once everything is written. */
+StyStatus write_work(const Request *request, const FrameFiles *files, Work *work, StyError *error);
+
+/* Warns of a frame that shows nothing, or that hardly any piece fits. */
+void review_work(const Request *request, const FrameFiles *files, const Work *work);
+
+/* Whether all that was asked for is there, made by this command of these inputs. */
+bool is_kept(const Request *request, const FrameFiles *files);
+
+#endif
