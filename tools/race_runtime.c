@@ -235,7 +235,7 @@ static StyStatus open_studio(int styles, Studio **out, StyError *error) {
 
 /* An entrant that draws `guide` by one path; its frame may be changed before the race. */
 static Look *add_look(Studio *studio, const char *row, const char *variant, const uint8_t *guide, int passes,
-                      StyRuntimePath path, int threads, int reference, const char *reference_name) {
+                      StyRuntimePath path, int threads, int reference) {
   Look *look = &studio->looks[studio->look_count++];
   *look = (Look){.studio = studio, .bundle = &studio->stage.bundle, .passes = passes};
   look->frame = (StyFrame){.width = WIDTH,
@@ -245,13 +245,14 @@ static Look *add_look(Studio *studio, const char *row, const char *variant, cons
                            .seeds = &studio->seeds,
                            .seeds_count = path == STY_PATH_REFERENCE ? 0 : 1,
                            .path = path};
-  Entrant *entrant = enter(&studio->race, (Entrant){.run = draw_look,
-                                                    .subject = look,
-                                                    .threads = threads,
-                                                    .work = PIXELS * 1e-6,
-                                                    .rate_unit = "Mpixels/s",
-                                                    .reference = reference,
-                                                    .reference_name = reference_name});
+  Entrant *entrant =
+      enter(&studio->race, (Entrant){.run = draw_look,
+                                     .subject = look,
+                                     .threads = threads,
+                                     .work = PIXELS * 1e-6,
+                                     .rate_unit = "Mpixels/s",
+                                     .reference = reference,
+                                     .reference_name = reference < 0 ? "" : studio->race.entrants[reference].variant});
   snprintf(entrant->row, sizeof entrant->row, "stylize %s", row);
   snprintf(entrant->variant, sizeof entrant->variant, "%s", variant);
   return look;
@@ -263,31 +264,30 @@ static const struct {
 } ways[] = {{STY_PATH_PORTABLE, "portable"}, {STY_PATH_AVX2, "avx2"}, {STY_PATH_AVX512, "avx512"}};
 enum { WAYS = 3 };
 
-/* Every path beside the reference, and two threads beside one. */
-static void enter_paths(Studio *studio, const char *row, const char *what, const uint8_t *guide, int passes) {
+/* Every path beside the reference, and two threads beside one; the place of the reference. */
+static int enter_paths(Studio *studio, const char *row, const char *what, const uint8_t *guide, int passes) {
   char variant[64];
   const int first = studio->race.count;
   snprintf(variant, sizeof variant, "%s: reference", what);
-  add_look(studio, row, variant, guide, passes, STY_PATH_REFERENCE, 1, -1, "");
+  add_look(studio, row, variant, guide, passes, STY_PATH_REFERENCE, 1, -1);
   for (int i = 0; i < WAYS; i++) {
     if (!sty_has_path(ways[i].path)) continue;
     snprintf(variant, sizeof variant, "%s: %s", what, ways[i].name);
-    add_look(studio, row, variant, guide, passes, ways[i].path, 1, first, "reference");
+    add_look(studio, row, variant, guide, passes, ways[i].path, 1, first);
   }
   const int best = studio->race.count - 1;
   snprintf(variant, sizeof variant, "%s: 2 threads", what);
-  add_look(studio, row, variant, guide, passes, STY_PATH_BEST, 2, best, "1 thread");
+  add_look(studio, row, variant, guide, passes, STY_PATH_BEST, 2, best);
+  return first;
 }
 
-/* Finding all seeds anew, beside one transfer by the same path. */
-static void enter_seeds(Studio *studio) {
+/* Finding all seeds anew, beside one transfer by the same path; `transfers`: the place of their reference. */
+static void enter_seeds(Studio *studio, int transfers) {
   char variant[64];
-  for (int i = 0; i < WAYS; i++) {
+  for (int i = 0, transfer = transfers + 1; i < WAYS; i++) {
     if (!sty_has_path(ways[i].path)) continue;
-    snprintf(variant, sizeof variant, "transfer: %s", ways[i].name);
-    add_look(studio, "full", variant, studio->waves, TRANSFER, ways[i].path, 1, -1, "");
     snprintf(variant, sizeof variant, "new jitter: %s", ways[i].name);
-    add_look(studio, "full", variant, studio->waves, SEEDS, ways[i].path, 1, studio->race.count - 1, "transfer");
+    add_look(studio, "full", variant, studio->waves, SEEDS, ways[i].path, 1, transfer++);
   }
 }
 
@@ -311,14 +311,13 @@ static void set_looks(Studio *studio) {
 static void enter_styles(Studio *studio) {
   const int one = studio->race.count;
   char variant[64];
-  add_look(studio, "full", "frame", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1, "");
-  Look *lit = add_look(studio, "full", "frame: four lightings", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one,
-                       "one lighting");
+  add_look(studio, "full", "frame", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1);
+  Look *lit = add_look(studio, "full", "frame: four lightings", studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one);
   lit->frame.style = LIT;
   lit->frame.luma = studio->luma;
   for (int i = 0; i < RADII; i++) {
     snprintf(variant, sizeof variant, "frame: radius %d", radii[i]);
-    add_look(studio, "full", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one, "radius 1")->frame.style =
+    add_look(studio, "full", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, one)->frame.style =
         FIRST_RADIUS + i;
   }
 }
@@ -330,10 +329,10 @@ static StyStatus race_paths(int repeats, const StyRun *run, RaceResults *results
   set_looks(studio);
   memcpy(studio->figure, studio->waves, 4 * (size_t)PIXELS);
   keep_disc(studio->figure, 0.14);
-  enter_paths(studio, "full", "transfer", studio->waves, TRANSFER);
+  const int transfers = enter_paths(studio, "full", "transfer", studio->waves, TRANSFER);
   enter_paths(studio, "full", "blend", studio->waves, BLEND);
   enter_paths(studio, "14 % covered", "frame", studio->figure, TRANSFER | BLEND);
-  enter_seeds(studio);
+  enter_seeds(studio, transfers);
   enter_styles(studio);
   status = run_race(&studio->race, repeats, run, results, error);
   close_studio(studio);
@@ -351,7 +350,7 @@ static StyStatus race_coverage(int repeats, const StyRun *run, RaceResults *resu
     if (status) return status;
     keep_disc(studio->waves, shares[i]);
     snprintf(variant, sizeof variant, "frame: %.0f %% covered", 100 * shares[i]);
-    add_look(studio, "coverage", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1, "");
+    add_look(studio, "coverage", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1);
     status = run_race(&studio->race, repeats, run, results, error);
     close_studio(studio);
   }
@@ -370,7 +369,7 @@ static StyStatus race_styles(int repeats, const StyRun *run, RaceResults *result
     for (int p = 0; p < PIXELS; p++)
       studio->styles[p] = (uint8_t)(1 + (p % WIDTH / 60 + p / WIDTH / 60 * 7) % counts[i]);
     snprintf(variant, sizeof variant, "frame: %d styles", counts[i]);
-    add_look(studio, "styles", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1, "")->frame.styles =
+    add_look(studio, "styles", variant, studio->waves, TRANSFER | BLEND, STY_PATH_BEST, 1, -1)->frame.styles =
         studio->styles;
     status = run_race(&studio->race, repeats, run, results, error);
     close_studio(studio);

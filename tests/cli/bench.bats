@@ -79,5 +79,5 @@ pack +whole .* parts: decode and one lut
   refuse 1 '--repeats' bench pack --repeats 100
   refuse 1 'lut, guide, pack, stylize' bench park
   TMPDIR=$PWD/missing refuse 2 TMPDIR bench pack --repeats 1
-  TMPDIR=$PWD/missing refuse 2 TMPDIR bench stylize --repeats 1
+  TMPDIR=$PWD/missing refuse 2 TMPDIR bench pack --repeats 1
 }
