@@ -77,8 +77,9 @@ void sty_measure_levels(const StyShot *shot, StyLevels *out);
 
 /* Repetition on flat areas: windows of STY_FLAT_WINDOW pixels a side, every half of that, in which the guide's bytes
  * lie within STY_FLAT_STEPS of each other and all is covered. In each, the picture's luma (bytes) is correlated with
- * itself, moved by up to half a window; what counts is the highest peak (as high as its 8 neighbours) at least
- * STY_LEAST_LAG pixels away, 0 where there is none. Luma that varies by less than a byte doesn't correlate. */
+ * itself, moved by up to half a window; what counts is the peak (as high as its 8 neighbours) at least STY_LEAST_LAG
+ * pixels away that rises most above the lowest value, not below 0, on the straight way to it; 0 where there is none.
+ * Luma that varies by less than a byte doesn't correlate. */
 typedef struct StyRepetition {
   size_t windows;
   double flat;          /* share of the covered pixels that lie in such windows */

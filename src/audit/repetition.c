@@ -68,6 +68,19 @@ static bool is_peak(const double table[LAGS][LAGS], int row, int column) {
   return true;
 }
 
+/* How far a peak rises above the lowest value, not below 0, on the straight way to it from no lag: a slope is like
+ * itself next door without repeating anything. */
+static double measure_rise(const double table[LAGS][LAGS], int row, int column) {
+  const int dx = column - REACH, dy = row - REACH, steps = abs(dx) > abs(dy) ? abs(dx) : abs(dy);
+  double lowest = table[row][column];
+  for (int i = 1; i < steps; i++) {
+    const double value =
+        table[REACH + (int)lround((double)dy * i / steps)][REACH + (int)lround((double)dx * i / steps)];
+    lowest = fmin(lowest, value);
+  }
+  return table[row][column] - fmax(lowest, 0);
+}
+
 static double find_peak(const Window *window) {
   double table[LAGS][LAGS], highest = 0;
   for (int dy = 0; dy <= REACH; dy++)
@@ -76,7 +89,8 @@ static double find_peak(const Window *window) {
   for (int row = REACH; row < LAGS - 1; row++)
     for (int column = 1; column < LAGS - 1; column++) {
       const bool far = row - REACH >= STY_LEAST_LAG || abs(column - REACH) >= STY_LEAST_LAG;
-      if (far && table[row][column] > highest && is_peak(table, row, column)) highest = table[row][column];
+      if (far && table[row][column] > highest && is_peak(table, row, column))
+        highest = fmax(highest, measure_rise(table, row, column));
     }
   return fmin(highest, 1);
 }

@@ -288,7 +288,7 @@ static void test_repetition(void **state) {
   assert_true(found.mean > 0 && found.largest < 0.2);
   for (int i = 0; i < PIXELS; i++) paint(a->rgb, i, (float)(i % SIDE) / SIDE);
   found = get_repetition(a, 1);
-  assert_true(found.mean == 0); /* a gradient is like itself next door, but has no peak */
+  assert_true(found.largest < 0.02); /* a gradient is like itself next door, but only its rounding peaks */
   for (int y = 0; y < SIDE; y++) a->guide[4 * (y * SIDE + 80)] = 200;
   found = get_repetition(a, 1);
   assert_int_equal(found.windows, 2);

@@ -1,0 +1,132 @@
+#!/usr/bin/env bats
+# stylut stylize: sequences, methods, resolutions, flicker, measures.
+load helpers
+
+# Six frames of the creature turning, a bundle of two styles with four jitter tables' worth of room, all small.
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return 1
+  local i
+  printf '{ "schema": "stylut-bundle/1", "styles": [ { "name": "oil", "exemplar": "oil.png" } ] }\n' >styles.json
+  cp "$STYLUT_ROOT/exemplars/spheres/oil.png" .
+  "$STYLUT" pack styles.json -o bundle -q
+  for i in 1 2 3 4 5 6; do
+    "$STYLUT" guide scene "$STYLUT_ROOT/exemplars/creature.ply" --view "$((10 + i)),10" -s 160 -c normal,depth,object \
+      -o "f.$(printf %04d "$i").exr" -q
+  done
+}
+
+# take: the frames and the bundle, as links.
+take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
+
+@test "a sequence is its frames, whatever the threads" {
+  take
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --chunks 'c.%d.png' --nnf 'n.%02d.png' -j 1 -q
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' -j 2 --no-history -q
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'e.%04d.png' -j 1 --no-history -q
+  for i in 1 2 3 4 5 6; do
+    "$STYLUT" stylize bundle --guide "f.000$i.exr" -o single.png --no-history -q
+    expect_same "b.000$i.png" single.png
+    expect_same "b.000$i.png" "e.000$i.png"
+    "$STYLUT" compare "a.000$i.png" single.png -q || complain "frame $i differs from the one drawn alone"
+    [ -s "c.$i.png" ] || complain "no chunks of frame $i"
+    [ -s "n.0$i.png" ] || complain "no field of frame $i"
+  done
+  expect_other b.0001.png b.0002.png
+}
+
+@test "what is there is kept, what is missing, changed or of another command is drawn" {
+  take
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' -q
+  sha256sum a.*.png >sums
+  rm a.0003.png
+  expect_holds 'after one is gone' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png')" '1 frames drawn, 5 kept'
+  sha256sum --quiet -c sums || complain 'the frame drawn anew is another'
+  rm f.0002.exr && cp f.0001.exr f.0002.exr
+  expect_holds 'after a guide changed' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png')" '1 frames drawn, 5 kept'
+  expect_holds 'another command' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half)" '6 frames drawn, 0 kept'
+  expect_holds 'forced' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half --force)" '6 frames drawn, 0 kept'
+  : >a.0004.png
+  expect_holds 'after one was cut off' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half)" '1 frames drawn, 5 kept'
+}
+
+@test "a run that is killed goes on to the same bytes" {
+  take
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' -q
+  for delay in 0.05 0.15 0.3; do
+    "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' -j 1 -q &
+    sleep "$delay"
+    kill -9 $! 2>/dev/null || true
+    wait $! 2>/dev/null || true
+  done
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' -q
+  for i in 1 2 3 4 5 6; do
+    "$STYLUT" compare "a.000$i.png" "b.000$i.png" -q || complain "frame $i differs after kills"
+  done
+}
+
+@test "ranges, gaps and frames that are missing" {
+  take
+  rm f.0004.exr
+  refuse 2 f.0004.exr stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png'
+  expect_holds 'skipping' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --skip-missing)" '5 frames drawn, 0 kept, 1 missing'
+  expect_holds 'a range' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --frames 1-5x2)" '3 frames drawn'
+  expect 'files of the range' "$(echo b.*.png)" 'b.0001.png b.0003.png b.0005.png'
+  refuse 2 f.0007.exr stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --frames 5-9
+  refuse 2 'g.%d.exr' stylize bundle --guide 'g.%d.exr' -o 'b.%04d.png'
+  refuse 1 6-5 stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --frames 6-5
+  refuse 1 1-5x0 stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --frames 1-5x0
+  refuse 1 one.png stylize bundle --guide 'f.%04d.exr' -o one.png
+  refuse 1 'b.%d.png' stylize bundle --guide f.0001.exr -o 'b.%d.png'
+  refuse 1 'f.%s.exr' stylize bundle --guide 'f.%s.exr' -o 'b.%d.png'
+  refuse 1 frames stylize bundle --guide f.0001.exr -o b.png --frames 1-2
+}
+
+@test "nothing flickers unless asked for, and then as often as asked for" {
+  take
+  rm f.*.exr
+  for i in 1 2 3 4 5 6; do cp "$BATS_FILE_TMPDIR/f.0001.exr" "f.000$i.exr"; done
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --no-history -q
+  for i in 2 3 4 5 6; do expect_same a.0001.png "a.000$i.png"; done
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --no-history --flicker 12 -q 2>said
+  expect_same a.0001.png b.0001.png
+  refuse 1 7 stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --flicker 7
+  refuse 1 fps stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --fps 12
+  refuse 1 flicker stylize bundle --guide f.0001.exr -o b.png --flicker 12
+}
+
+@test "measures of a still sequence and of a turning one" {
+  take
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --measure turning.json >text
+  for figure in 'SSIM' 'FLIP' 'warping error' 'chunk' 'repetition'; do grep -q "$figure" text || [ "$figure" = repetition ] || complain "no $figure in the text"; done
+  expect 'frames measured' "$(grep -c '"frame":' turning.json)" 6
+  rm f.*.exr
+  for i in 1 2 3; do cp "$BATS_FILE_TMPDIR/f.0001.exr" "f.000$i.exr"; done
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 's.%04d.png' --measure still.json -q
+  for key in warp_mean flip jumps; do
+    expect "$key of a still sequence" "$(sed -n '/overall/,$p' still.json | grep -o "\"$key\": [0-9.e-]*" | head -1)" "\"$key\": 0.0"
+  done
+  refuse 1 measure stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution double --measure m.json
+}
+
+@test "methods and resolutions" {
+  take
+  "$STYLUT" stylize bundle --guide f.0001.exr -o full.png --no-history -q
+  "$STYLUT" stylize bundle --guide f.0001.exr -o half.png --no-history -q --resolution half
+  "$STYLUT" stylize bundle --guide f.0001.exr -o double.png --no-history -q --resolution double
+  "$STYLUT" stylize bundle --guide f.0001.exr -o sphere.png --no-history -q --method lit-sphere
+  "$STYLUT" stylize bundle --guide f.0001.exr -o brute.png --no-history -q --method brute
+  expect_other full.png half.png
+  expect_other full.png sphere.png
+  expect_other full.png brute.png
+  expect_holds 'size at half resolution' "$("$STYLUT" info half.png)" 160x160
+  expect_holds 'size at double resolution' "$("$STYLUT" info double.png)" 80x80
+  for unit in plain avx2 avx512; do
+    STYLUT_VECTOR=$unit "$STYLUT" stylize bundle --guide f.0001.exr -o "$unit.png" --no-history -q
+    expect_same full.png "$unit.png"
+  done
+  refuse 1 resolution stylize bundle --guide f.0001.exr -o b.png --method brute --resolution half
+  "$STYLUT" guide sphere -s 301x300 -o odd.exr -q 2>/dev/null || "$STYLUT" guide sphere -s 301 -o odd.exr -q
+  refuse 3 odd.exr stylize bundle --guide odd.exr -o b.png --resolution double
+  "$STYLUT" guide sphere -s 1024 -o large.exr -q
+  refuse 3 large.exr stylize bundle --guide large.exr -o b.png --method brute
+}
