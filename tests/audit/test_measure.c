@@ -210,6 +210,23 @@ static void test_flip_of_plain_pictures(void **state) {
   free(b);
 }
 
+/* Paint of all kinds, against the sum that whole kernels of two dimensions give, worked out apart from this code. */
+static void test_flip_of_a_small_picture(void **state) {
+  (void)state;
+  enum { WIDTH = 24, HEIGHT = 16, COUNT = WIDTH * HEIGHT };
+  float a[3 * COUNT], b[3 * COUNT];
+  uint32_t seed = 7;
+  for (int i = 0; i < COUNT; i++)
+    for (int c = 0; c < 3; c++) {
+      const float edge = i % WIDTH > 9 ? 0.25f : 0;
+      a[c * COUNT + i] = draw(&seed);
+      b[c * COUNT + i] = 0.5f * a[c * COUNT + i] + edge + 0.25f * draw(&seed);
+    }
+  double value = -1;
+  assert_int_equal(sty_measure_flip(WIDTH, HEIGHT, a, b, NULL, &value, NULL), STY_OK);
+  expect_near(value, 0.4274849, 1e-6);
+}
+
 /* What differs in edges differs more than its colours do, and what is too fine to be seen, less. */
 static void test_flip_of_features(void **state) {
   (void)state;
@@ -312,6 +329,7 @@ int main(void) {
       cmocka_unit_test(test_ssim),
       cmocka_unit_test(test_ssim_of_one_window),
       cmocka_unit_test(test_flip_of_plain_pictures),
+      cmocka_unit_test(test_flip_of_a_small_picture),
       cmocka_unit_test(test_flip_of_features),
       cmocka_unit_test(test_chunks),
       cmocka_unit_test(test_levels),
