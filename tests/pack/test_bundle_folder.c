@@ -12,7 +12,7 @@ enum {
   LUT_SIZE = 5,
   JITTER_BYTES = 2 * STY_JITTER_SIZE * STY_JITTER_SIZE
 };
-static const StyBundleShape SHAPE = {WIDTH, HEIGHT, LUT_SIZE, 1};
+static const StyBundleShape SHAPE = {WIDTH, HEIGHT, LUT_SIZE, 1, 1, 1};
 
 static const StyStyle PARAMETERS = {.threshold = 24,
                                     .top_level = 4,
@@ -52,7 +52,7 @@ static json_t *make_index(int styles) {
 static StyBundleWriter *open_writer(const char *path, int width, int styles) {
   StyBundleShape shape = SHAPE;
   shape.width = width;
-  shape.style_count = styles;
+  shape.style_count = shape.exemplar_count = styles;
   StyBundleWriter *writer = NULL;
   StyError error = {STY_OK, ""};
   if (sty_open_bundle_writer(path, &shape, &writer, &error) != STY_OK) fail_msg("%s", error.text);
@@ -62,7 +62,8 @@ static StyBundleWriter *open_writer(const char *path, int width, int styles) {
 
 static void write_style(StyBundleWriter *writer, const Layers *layers, const StyStyle *parameters) {
   StyError error = {STY_OK, ""};
-  if (sty_write_style(writer, layers->exemplar, layers->guide, layers->lut, parameters, &error) != STY_OK)
+  if (sty_write_style(writer, &(const uint8_t *){layers->exemplar}, layers->guide, layers->lut, parameters, &error) !=
+      STY_OK)
     fail_msg("%s", error.text);
 }
 

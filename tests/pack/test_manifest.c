@@ -22,11 +22,11 @@ static void test_defaults(void **state) {
   assert_int_equal(manifest.style_count, 1);
   const StyManifestStyle *style = manifest.styles;
   assert_string_equal(style->name, "a");
-  assert_string_equal(style->exemplar, "a.png");
+  assert_string_equal(style->exemplars[0], "a.png");
   assert_string_equal(style->guide, "sphere");
   assert_null(style->lut_file);
   assert_string_equal(style->lut_engine, "auto");
-  assert_int_equal(style->lut_size, 256);
+  assert_int_equal(style->lut_size, 0);
   assert_string_equal(style->lut_sampling, "unorm8");
   assert_int_equal(style->parameters.threshold, 24);
   assert_in_range(style->parameters.top_level, 0, STY_MAX_LEVEL);
@@ -49,10 +49,10 @@ static void test_every_key(void **state) {
             " \"jitter\": \"noise.png\"}",
             &manifest);
   assert_int_equal(manifest.style_count, 3);
-  assert_string_equal(manifest.jitter, "noise.png");
+  assert_string_equal(sty_get_manifest_name(manifest.jitter, 0), "noise.png");
   const StyManifestStyle *first = manifest.styles, *second = first + 1, *third = first + 2;
   assert_string_equal(first->name, "first");
-  assert_string_equal(first->exemplar, "x/a.png");
+  assert_string_equal(first->exemplars[0], "x/a.png");
   assert_string_equal(first->guide, "g.exr");
   assert_int_equal(first->lut_size, 64);
   assert_string_equal(first->lut_engine, "brute");
