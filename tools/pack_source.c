@@ -49,8 +49,8 @@ StyStatus measure_exemplars(Packing *packing, StyError *error) {
   StyStatus status = STY_OK;
   for (int i = 0; !status && i < packing->manifest.style_count; i++) {
     Size *size = &packing->sizes[i];
-    const Size first = packing->sizes[0];
     status = measure_style(packing, &styles[i], size, error);
+    const Size first = packing->sizes[0];
     if (!status && packing->arguments->fit == FIT_NONE && !is_equal(*size, first))
       status = sty_fail(error, STY_ERROR_INPUT,
                         "found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a bundle, or --fit",
