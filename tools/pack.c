@@ -209,7 +209,7 @@ static json_t *describe_style(const Packing *packing, int number, const StyStyle
   for (int i = 0; i < parameters->layer_count; i++)
     json_array_append_new(exemplars,
                           json_pack("{s:s, s:f}", "file", style->exemplars[i], "luma", (double)parameters->luma[i]));
-  json_t *lut = json_pack("{s:i, s:s, s:s, s:s}", "size", packing->lut_size, "sampling",
+  json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling",
                           parameters->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre",
                           style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
   if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));

@@ -354,7 +354,8 @@ static void test_bad_parameters_are_not_written(void **state) {
   for (int i = 0; i < 4; i++) {
     StyBundleWriter *writer = open_writer(path_in(scratch, "bundle"), WIDTH, 1);
     StyError error = {STY_OK, ""};
-    StyStatus status = sty_write_style(writer, layers.exemplar, layers.guide, layers.lut, &bad[i], &error);
+    StyStatus status =
+        sty_write_style(writer, &(const uint8_t *){layers.exemplar}, layers.guide, layers.lut, &bad[i], &error);
     if (status == STY_OK) {
       json_t *index = make_index(1);
       status = sty_commit_bundle(&writer, jitter, index, &error);
@@ -555,7 +556,7 @@ static void test_finding_mismatch(void **state) {
   memset(larger, 255, sizeof larger);
   const Layers layers = make_layers(1);
   StyBundleWriter *writer = open_writer(wide, WIDTH + 1, 1);
-  assert_int_equal(sty_write_style(writer, larger, larger, layers.lut, &PARAMETERS, NULL), STY_OK);
+  assert_int_equal(sty_write_style(writer, &(const uint8_t *){larger}, larger, layers.lut, &PARAMETERS, NULL), STY_OK);
   json_t *index = make_index(1);
   assert_int_equal(sty_commit_bundle(&writer, jitter, index, NULL), STY_OK);
   json_decref(index);
