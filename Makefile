@@ -65,7 +65,7 @@ LINK = $(CC) -fopenmp $(OPTIMIZE_$(config)) $(LDFLAGS)
 
 # ---- what there is ----------------------------------------------------------
 RUNTIME_SOURCES = $(wildcard src/runtime/*.c)
-MODULE_SOURCES = src/bridge/oiio.cpp src/bridge/oiio_texture.cpp src/bridge/quiet_png.c
+MODULE_SOURCES = src/bridge/oiio.cpp src/bridge/oiio_resize.cpp src/bridge/oiio_texture.cpp src/bridge/quiet_png.c
 LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES) $(MODULE_SOURCES),$(wildcard src/*/*.c src/bridge/*.cpp))
 TOOL_SOURCES = $(wildcard tools/*.c)
 # Mesa doesn't get through in minutes where a sanitizer unwinds every allocation of its compiler.

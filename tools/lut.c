@@ -161,9 +161,10 @@ static StyStatus choose_spec(LutArguments *arguments, const Inputs *inputs, StyL
                                    .frames = (const StyImage *const *)inputs->frames,
                                    .frame_count = arguments->frames.count};
   const StyRun run = begin_progress(&arguments->options, "choosing");
-  const StyStatus status = sty_choose_size(inputs->sites, inputs->guide, spec, arguments->map == MAP_ANY,
-                                           (StyEncoding)arguments->encoding, &options, arguments->max_p99, &run,
-                                           account->candidates, &account->candidate_count, &account->chosen, error);
+  const StyStatus status =
+      sty_choose_size(inputs->sites, inputs->guide, spec, arguments->map == MAP_ANY, (StyEncoding)arguments->encoding,
+                      &options, &(StyBudget){.p99 = arguments->max_p99}, &run, account->candidates,
+                      &account->candidate_count, &account->chosen, error);
   end_progress(&arguments->options);
   if (status) return status;
   if (account->chosen < 0) return fail_budget(arguments, account, error);

@@ -1,24 +1,28 @@
 /* stylut pack MANIFEST.json -o BUNDLE */
-#include "stylut/pack.h"
+#include "pack.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
-#include "inputs.h"
-#include "options.h"
-#include "stylut/image_io.h"
+#include "stylut/guide.h"
+#include "stylut/parse.h"
 
 _Static_assert(STY_MAX_LUT_SIDE == STY_MAX_LUT_SIZE, "a bundle holds every square table there can be");
 
-typedef struct Arguments {
-  Options options;
-  const char *manifest;
-} Arguments;
+static const char *const fit_names[] = {"none", "resize", "pad", NULL};
+
+enum { KEY_FIT = 0x100 };
+static const struct argp_option options_table[] = {
+    {"fit", KEY_FIT, "HOW", 0,
+     "exemplars of differing sizes: none (default) refuses them, resize filters them to the largest width and height, "
+     "pad adds what isn't covered at the right and below",
+     0},
+    {0}};
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
-  Arguments *arguments = state->input;
+  PackArguments *arguments = state->input;
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
@@ -28,6 +32,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
       status = require_argument(&arguments->options, arguments->manifest, "the manifest's file name");
       if (!status) status = require_output(&arguments->options);
       break;
+    case KEY_FIT:
+      status = sty_parse_choice("--fit", text, fit_names, &arguments->fit, &arguments->options.error);
+      break;
     default: return ARGP_ERR_UNKNOWN;
   }
   return end_option(status);
@@ -36,6 +43,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
 static const struct argp_child children[] = {
     {&output_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
+    .options = options_table,
     .parser = parse_option,
     .args_doc = "MANIFEST.json -o BUNDLE",
     .doc =
@@ -45,220 +53,85 @@ static const struct argp parser = {
         "  { \"schema\": \"stylut-bundle/1\",\n"
         "    \"styles\": [ { \"name\": \"pencil\", \"exemplar\": \"pencil.png\",\n"
         "                  \"guide\": \"sphere\",\n"
-        "                  \"lut\": { \"size\": 256, \"engine\": \"auto\", \"sampling\": \"unorm8\" },\n"
+        "                  \"lut\": { \"size\": 256, \"engine\": \"auto\", \"resolve\": \"nearest\",\n"
+        "                           \"sampling\": \"unorm8\" },\n"
         "                  \"params\": { \"threshold\": 24, \"top_level\": 6, \"radius\": 1,\n"
-        "                              \"depth_tolerance\": 0 } } ],\n"
+        "                              \"depth_tolerance\": 0, \"luma_weight\": 0, \"colour_weight\": 0,\n"
+        "                              \"jitter_amount\": 1, \"jitter_period\": 0, \"scale\": 1,\n"
+        "                              \"objects\": false, \"scatter\": 0 } } ],\n"
         "    \"jitter\": \"table.png\" }\n"
-        "Only name and exemplar are needed; the values above are the defaults. \"guide\" may name a guide file, "
-        "\"lut\" a table (or { \"file\": ..., \"sampling\": ... }); without \"jitter\" the table is drawn from "
-        "--seed. Paths are relative to the manifest.",
+        "Only name and exemplar are needed; the values above are the defaults. Up to four exemplars by luminance are "
+        "\"exemplars\": [ { \"image\": \"dark.png\", \"luma\": 0.2 }, ... ], whose \"luma_weight\" is 0.25 "
+        "unless given. \"base\": SIGMA takes low frequencies (a Gaussian of so many pixels) from the lit sphere. "
+        "\"guide\" may name a guide file or a scene, \"lut\" a table (or { \"file\": ..., \"sampling\": ... }); "
+        "{ \"budget\": { \"p99\": 1 } } (mean, p99, max; degrees) asks for the smallest table that meets it, "
+        "\"resolve\" (coherent; frames or both with \"frames\": [ ... ]) chooses among pixels within \"slack\". "
+        "Without \"jitter\" (or a list of them) the table is drawn from --seed. Paths are relative to the manifest.",
     .children = children,
 };
 
-/* All of one style, ready to be written. */
-typedef struct Textures {
-  int width, height;
-  uint8_t *exemplar, *guide;
+/* Guide and table of a style; the next may have the same. */
+typedef struct Prepared {
+  const StyManifestStyle *style;
+  Source source;
+  uint8_t *guide;
   uint16_t *lut;
-  int lut_size;
-  StyStyle parameters;
-} Textures;
+  bool unorm8;
+} Prepared;
 
-static void destroy_textures(Textures *textures) {
-  free(textures->exemplar);
-  free(textures->guide);
-  free(textures->lut);
-  *textures = (Textures){0};
+static void close_prepared(Prepared *prepared) {
+  close_source(&prepared->source);
+  free(prepared->guide);
+  free(prepared->lut);
+  *prepared = (Prepared){.style = NULL};
 }
 
-/* Reads a picture as RGBA bytes. */
-static StyStatus read_bytes(const char *path, uint8_t **bytes, int *width, int *height, StyError *error) {
-  StyImage *image = NULL;
-  StyStatus status = sty_read_image(path, &image, error);
-  uint8_t *out = status ? NULL : malloc(4 * sty_count_pixels(image));
-  if (!status && !out) status = sty_fail_memory(error, path, 4.0 * (double)sty_count_pixels(image));
-  if (!status) status = sty_convert_to_rgba8(path, image, out, error);
-  if (status) {
-    free(out);
-  } else {
-    *bytes = out;
-    *width = image->width;
-    *height = image->height;
-  }
-  sty_destroy_image(&image);
-  return status;
-}
-
-/* The source guide of a style: the sphere that fills the exemplar, or a file. */
-static StyStatus get_guide(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
-                           int width, int height, StyImage **out, StyError *error) {
-  if (strcmp(style->guide, "sphere") == 0) return sty_make_sphere_guide(width, height, STY_GUIDE_NORMAL, out, error);
-  char *path = sty_join_path(manifest->folder, style->guide);
-  if (!path) return sty_fail_memory(error, style->guide, 0);
-  StyStatus status = read_guide(&arguments->options, path, out, error);
-  if (!status && ((*out)->width != width || (*out)->height != height)) {
-    status = sty_fail(error, STY_ERROR_INPUT,
-                      "style '%s': found exemplar %s of %dx%d and guide %s of %dx%d pixels, expected one size",
-                      style->name, style->exemplar, width, height, style->guide, (*out)->width, (*out)->height);
-    sty_destroy_image(out);
-  }
-  free(path);
-  return status;
-}
-
-static StyStatus encode_guide(const StyImage *guide, uint8_t *out, StyError *error) {
+static StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error) {
   StyImage *encoded = NULL;
+  *out = malloc(4 * sty_count_pixels(guide));
+  if (!*out) return sty_fail_memory(error, "guide", 4.0 * (double)sty_count_pixels(guide));
   StyStatus status = sty_encode_normals(guide, 8, &encoded, error);
-  if (!status) status = sty_convert_to_rgba8("guide", encoded, out, error);
+  if (!status) status = sty_convert_to_rgba8("guide", encoded, *out, error);
   sty_destroy_image(&encoded);
   return status;
 }
 
-/* "unorm8" or "centre", as the manifest's reader made sure; -1 for none. */
-static int get_sampling(const char *name) {
-  return !name ? -1 : strcmp(name, "unorm8") == 0 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE;
+/* Whether one table serves both: of one guide, asked for in the same words, with paint on the same pixels. */
+static bool is_same_table(const Packing *packing, const Prepared *a, const Prepared *b) {
+  const float *covered[2] = {sty_find_channel(a->source.guide, "A"), sty_find_channel(b->source.guide, "A")};
+  const size_t i = (size_t)(a->style - packing->manifest.styles), k = (size_t)(b->style - packing->manifest.styles);
+  return strcmp(a->style->guide, b->style->guide) == 0 && a->lut &&
+         (a->style->lut == b->style->lut || json_equal(a->style->lut, b->style->lut)) &&
+         memcmp(&packing->sizes[i], &packing->sizes[k], sizeof packing->sizes[i]) == 0 &&
+         memcmp(covered[0], covered[1], sty_count_pixels(a->source.guide) * sizeof(float)) == 0;
 }
 
-static StyStatus get_lut(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
-                         const StyImage *guide, StyLut **out, StyError *error) {
-  if (style->lut_file) {
-    const StyLutHints hints = {guide->width, guide->height, get_sampling(style->lut_sampling), STY_FOREIGN_NONE};
-    char *path = sty_join_path(manifest->folder, style->lut_file);
-    const bool sphere = strcmp(style->guide, "sphere") == 0;
-    char *guide_path = sphere ? NULL : sty_join_path(manifest->folder, style->guide);
-    bool of_another;
-    StyStatus status = path && (sphere || guide_path)
-                           ? read_lut(&arguments->options, path, guide_path, &hints, out, &of_another, error)
-                           : sty_fail_memory(error, style->lut_file, 0);
-    free(path);
-    free(guide_path);
-    if (!status && ((*out)->spec.map != STY_MAP_XY || (*out)->spec.sampling == STY_SAMPLE_CORNER)) {
-      status = sty_fail(error, STY_ERROR_INPUT,
-                        "%s: found a LUT of map %s and sampling %s, expected xy and centre or unorm8", style->lut_file,
-                        sty_map_names[(*out)->spec.map], sty_sampling_names[(*out)->spec.sampling]);
-      sty_destroy_lut(out);
-    }
-    return status;
+/* Replaces what `prepared` holds of the style before by this one's; without `tables`, all but its table. */
+static StyStatus prepare_style(const Packing *packing, int number, bool tables, Prepared *prepared, StyError *error) {
+  Prepared next = {.style = &packing->manifest.styles[number]};
+  StyStatus status = open_source(packing, number, &next.source, error);
+  if (!status) status = encode_guide(next.source.guide, &next.guide, error);
+  if (!status && prepared->style && is_same_table(packing, prepared, &next)) {
+    next.lut = prepared->lut;
+    next.unorm8 = prepared->unorm8;
+    prepared->lut = NULL;
+  } else if (!status && tables) {
+    status = make_table(packing, number, next.source.guide, &next.lut, &next.unorm8, error);
   }
-  const StyEngine *engine = NULL;
-  StySites *sites = NULL;
-  StyStatus status = sty_find_engine("engine", style->lut_engine, &engine, error);
-  char name[512]; /* only what is covered by both counts */
-  snprintf(name, sizeof name, "%.200s (guide %.200s)", style->exemplar, style->guide);
-  if (!status) status = sty_collect_sites(name, guide, &sites, error);
-  const StyRun run = {.threads = arguments->options.threads};
-  const StyLutSpec spec = {
-      .width = style->lut_size, .height = style->lut_size, .sampling = (StySampling)get_sampling(style->lut_sampling)};
-  if (!status) status = sty_build_lut(sites, engine, NULL, &spec, &run, out, error);
-  sty_destroy_sites(&sites);
+  close_prepared(prepared);
+  *prepared = next;
   return status;
 }
 
-static void encode_lut(const StyLut *lut, uint16_t *out) {
-  const uint32_t width = (uint32_t)lut->source_width, height = (uint32_t)lut->source_height;
-  for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) {
-    out[2 * t] = (uint16_t)sty_encode_coordinate(lut->pixels[t] % width, width, 65535);
-    out[2 * t + 1] = (uint16_t)sty_encode_coordinate(lut->pixels[t] / width, height, 65535);
-  }
-}
-
-/* Whether two styles have the same source: one table then serves both. */
-static bool same_source(const StyManifestStyle *a, const StyManifestStyle *b) {
-  if (strcmp(a->guide, b->guide) != 0 || (a->lut_file == NULL) != (b->lut_file == NULL)) return false;
-  const bool same_sampling = get_sampling(a->lut_sampling) == get_sampling(b->lut_sampling);
-  if (a->lut_file) return strcmp(a->lut_file, b->lut_file) == 0 && same_sampling;
-  return strcmp(a->lut_engine, b->lut_engine) == 0 && a->lut_size == b->lut_size && same_sampling;
-}
-
-/* Whether there is paint on a pixel of an exemplar; less is a hole that no
- * surface should be given. */
-static bool has_paint(const uint8_t *exemplar, size_t pixel) { return exemplar[4 * pixel + 3] >= 128; }
-
-static void uncover_unpainted(const uint8_t *exemplar, StyImage *guide) {
-  float *covered = sty_find_channel(guide, "A");
-  for (size_t i = 0; i < sty_count_pixels(guide); i++)
-    if (!has_paint(exemplar, i)) covered[i] = 0;
-}
-
-static bool same_paint(const Textures *a, const Textures *b) {
-  const size_t pixels = (size_t)a->width * (size_t)a->height;
-  for (size_t i = 0; i < pixels; i++)
-    if (has_paint(a->exemplar, i) != has_paint(b->exemplar, i)) return false;
-  return true;
-}
-
-/* Fills guide and LUT of `textures`, whose exemplar is there. */
-static StyStatus prepare_source(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
-                                Textures *textures, StyError *error) {
-  StyImage *guide = NULL;
-  StyLut *lut = NULL;
-  const size_t pixels = (size_t)textures->width * (size_t)textures->height;
-  StyStatus status = get_guide(arguments, manifest, style, textures->width, textures->height, &guide, error);
-  if (!status) uncover_unpainted(textures->exemplar, guide);
-  if (!status) status = get_lut(arguments, manifest, style, guide, &lut, error);
-  if (!status) {
-    textures->lut_size = lut->spec.width;
-    textures->guide = malloc(4 * pixels);
-    textures->lut = malloc(sty_count_texels(&lut->spec) * 4);
-    if (!textures->guide || !textures->lut) status = sty_fail_memory(error, style->name, 4.0 * (double)pixels);
-  }
-  if (!status) status = encode_guide(guide, textures->guide, error);
-  if (!status) {
-    encode_lut(lut, textures->lut);
-    textures->parameters.flags = lut->spec.sampling == STY_SAMPLE_UNORM8 ? STY_FLAG_UNORM8 : 0;
-  }
-  sty_destroy_image(&guide);
-  sty_destroy_lut(&lut);
-  return status;
-}
-
-/* Replaces what `textures` hold of the style before (NULL for the first) by this style's. */
-static StyStatus prepare_style(const Arguments *arguments, const StyManifest *manifest, const StyManifestStyle *style,
-                               const StyManifestStyle *before, Textures *textures, StyError *error) {
-  Textures next = {.parameters = style->parameters};
-  char *path = sty_join_path(manifest->folder, style->exemplar);
-  StyStatus status = path ? read_bytes(path, &next.exemplar, &next.width, &next.height, error)
-                          : sty_fail_memory(error, style->exemplar, 0);
-  free(path);
-  if (!status && (next.width > STY_MAX_SOURCE_SIDE || next.height > STY_MAX_SOURCE_SIDE))
-    status = sty_fail(error, STY_ERROR_INPUT, "style '%s': found exemplar %s of %dx%d pixels, expected sides up to %d",
-                      style->name, style->exemplar, next.width, next.height, STY_MAX_SOURCE_SIDE);
-  if (!status && before && (next.width != textures->width || next.height != textures->height))
-    status = sty_fail(error, STY_ERROR_INPUT,
-                      "found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a bundle",
-                      before->exemplar, textures->width, textures->height, style->exemplar, next.width, next.height);
-  if (!status && before && same_source(before, style) && same_paint(textures, &next)) {
-    next.guide = textures->guide;
-    next.lut = textures->lut;
-    next.lut_size = textures->lut_size;
-    next.parameters.flags = textures->parameters.flags;
-    textures->guide = NULL;
-    textures->lut = NULL;
-  } else if (!status) {
-    status = prepare_source(arguments, manifest, style, &next, error);
-  }
-  if (!status && before && next.lut_size != textures->lut_size)
-    status = sty_fail(error, STY_ERROR_INPUT,
-                      "found LUTs of %d texels a side for style '%s' and %d for '%s', expected one size in a bundle",
-                      textures->lut_size, before->name, next.lut_size, style->name);
-  destroy_textures(textures);
-  *textures = next;
-  return status;
-}
-
-static StyStatus read_jitter(const Arguments *arguments, const StyManifest *manifest, uint8_t *out, StyError *error) {
-  if (!manifest->jitter) {
-    sty_make_jitter(arguments->options.seed, out);
-    return STY_OK;
-  }
-  char *path = sty_join_path(manifest->folder, manifest->jitter);
+static StyStatus read_jitter(const Packing *packing, const char *name, uint8_t *out, StyError *error) {
+  char *path = find_file(packing, name, error);
+  if (!path) return STY_ERROR_LIBRARY;
   uint8_t *bytes = NULL;
-  int width = 0, height = 0;
-  StyStatus status =
-      path ? read_bytes(path, &bytes, &width, &height, error) : sty_fail_memory(error, manifest->jitter, 0);
-  if (!status && (width != STY_JITTER_SIZE || height != STY_JITTER_SIZE))
-    status = sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a jitter table of %dx%d", path, width,
-                      height, STY_JITTER_SIZE, STY_JITTER_SIZE);
+  Size size = {0};
+  StyStatus status = read_bytes(path, &bytes, &size, error);
+  if (!status && (size.width != STY_JITTER_SIZE || size.height != STY_JITTER_SIZE))
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected a jitter table of %dx%d", path,
+                      size.width, size.height, STY_JITTER_SIZE, STY_JITTER_SIZE);
   for (int i = 0; !status && i < STY_JITTER_SIZE * STY_JITTER_SIZE; i++) {
     out[2 * i] = bytes[4 * i];
     out[2 * i + 1] = bytes[4 * i + 1];
@@ -268,80 +141,138 @@ static StyStatus read_jitter(const Arguments *arguments, const StyManifest *mani
   return status;
 }
 
+static int count_jitters(const Packing *packing) {
+  const json_t *files = packing->manifest.jitter;
+  return files ? (int)sty_count_manifest_names(files) : 1;
+}
+
+/* The tables of the manifest, or drawn ones; the caller frees them. */
+static StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error) {
+  const json_t *files = packing->manifest.jitter;
+  const int count = count_jitters(packing);
+  uint8_t *tables = malloc((size_t)count * STY_JITTER_BYTES);
+  if (!tables) return sty_fail_memory(error, "jitter", (double)count * STY_JITTER_BYTES);
+  StyStatus status = STY_OK;
+  if (!files) sty_make_jitter(packing->arguments->options.seed, tables);
+  for (int i = 0; files && !status && i < count; i++)
+    status = read_jitter(packing, sty_get_manifest_name(files, (size_t)i), tables + i * STY_JITTER_BYTES, error);
+  if (status)
+    free(tables);
+  else
+    *out = tables;
+  return status;
+}
+
 /* Adds the hash of a file named in the manifest, once. */
-static StyStatus record_input(const char *folder, const char *name, json_t *inputs, StyError *error) {
+static StyStatus record_input(const Packing *packing, const char *name, json_t *inputs, StyError *error) {
   char hash[STY_HASH_SIZE];
-  if (json_object_get(inputs, name)) return STY_OK;
-  char *path = sty_join_path(folder, name);
-  const StyStatus status = path ? sty_hash_file(path, hash, error) : sty_fail_memory(error, name, 0);
+  if (!name || json_object_get(inputs, name)) return STY_OK;
+  char *path = find_file(packing, name, error);
+  const StyStatus status = path ? sty_hash_file(path, hash, error) : STY_ERROR_LIBRARY;
   if (!status) json_object_set_new(inputs, name, json_string(hash));
   free(path);
   return status;
 }
 
-/* How the bundle came about: the command, and every file that went in. */
-static StyStatus record_inputs(const Arguments *arguments, const StyManifest *manifest, json_t *index,
-                               StyError *error) {
+static StyStatus record_inputs(const Packing *packing, const json_t *names, json_t *inputs, StyError *error) {
+  StyStatus status = STY_OK;
+  for (size_t i = 0; !status && i < sty_count_manifest_names(names); i++)
+    status = record_input(packing, sty_get_manifest_name(names, i), inputs, error);
+  return status;
+}
+
+/* How the bundle came about: the command, and every file that the manifest names. */
+static StyStatus record_history(const Packing *packing, json_t *index, StyError *error) {
   char hash[STY_HASH_SIZE];
+  const StyManifest *manifest = &packing->manifest;
   json_t *inputs = json_object();
-  StyStatus status = sty_hash_file(arguments->manifest, hash, error);
-  if (!status && manifest->jitter) status = record_input(manifest->folder, manifest->jitter, inputs, error);
+  StyStatus status = sty_hash_file(packing->arguments->manifest, hash, error);
+  if (!status) status = record_inputs(packing, manifest->jitter, inputs, error);
   for (int i = 0; !status && i < manifest->style_count; i++) {
     const StyManifestStyle *style = &manifest->styles[i];
-    status = record_input(manifest->folder, style->exemplar, inputs, error);
-    if (!status && strcmp(style->guide, "sphere") != 0)
-      status = record_input(manifest->folder, style->guide, inputs, error);
-    if (!status && style->lut_file) status = record_input(manifest->folder, style->lut_file, inputs, error);
+    for (int k = 0; !status && k < style->parameters.layer_count; k++)
+      status = record_input(packing, style->exemplars[k], inputs, error);
+    if (!status && strcmp(style->guide, "sphere") != 0) status = record_input(packing, style->guide, inputs, error);
+    if (!status) status = record_input(packing, style->lut_file, inputs, error);
+    if (!status) status = record_inputs(packing, style->lut_frames, inputs, error);
   }
   json_object_set_new(index, "history",
-                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&arguments->options, "pack"), "manifest",
-                                hash, "inputs", inputs));
+                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&packing->arguments->options, "pack"),
+                                "manifest", hash, "inputs", inputs));
   return status;
 }
 
-/* What the index says of one style. */
-static void describe_style(const StyManifest *manifest, int number, const Textures *textures, json_t *styles) {
-  const StyManifestStyle *style = &manifest->styles[number];
-  const StyStyle *p = &textures->parameters;
-  json_t *lut =
-      json_pack("{s:i, s:s}", "size", textures->lut_size, "sampling", p->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre");
-  if (style->lut_file)
-    json_object_set_new(lut, "file", json_string(style->lut_file));
-  else
-    json_object_set_new(lut, "engine", json_string(style->lut_engine));
-  json_array_append_new(
-      styles,
-      json_pack("{s:i, s:s, s:{s:s, s:[ii]}, s:s, s:o, s:{s:i, s:i, s:i, s:f}, s:[ii]}", "id", number + 1, "name",
-                style->name, "exemplar", "file", style->exemplar, "size", textures->width, textures->height, "guide",
-                style->guide, "lut", lut, "params", "threshold", p->threshold, "top_level", p->top_level, "radius",
-                p->radius, "depth_tolerance", (double)p->depth_tolerance, "layers", number, 1));
+/* What the index says of one style, whose `layer` is the first of its own. */
+static json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  json_t *exemplars = json_array();
+  for (int i = 0; i < parameters->layer_count; i++)
+    json_array_append_new(exemplars,
+                          json_pack("{s:s, s:f}", "file", style->exemplars[i], "luma", (double)parameters->luma[i]));
+  json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling",
+                          parameters->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre",
+                          style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
+  if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));
+  json_t *out =
+      json_pack("{s:i, s:s, s:o, s:[ii], s:s, s:o, s:o, s:[ii]}", "id", number + 1, "name", style->name, "exemplars",
+                exemplars, "size", packing->sizes[number].width, packing->sizes[number].height, "guide", style->guide,
+                "lut", lut, "params", sty_describe_parameters(parameters), "layers", layer, parameters->layer_count);
+  if (style->base > 0) json_object_set_new(out, "base", json_real(style->base));
+  return out;
 }
 
-static StyStatus write_styles(const Arguments *arguments, const StyManifest *manifest, StyBundleWriter **writer,
-                              json_t *styles, StyError *error) {
-  Textures textures = {0};
+static StyBundleShape get_shape(const Packing *packing) {
+  StyBundleShape shape = {.width = packing->size.width,
+                          .height = packing->size.height,
+                          .lut_size = packing->lut_size,
+                          .style_count = packing->manifest.style_count,
+                          .jitter_count = count_jitters(packing)};
+  for (int i = 0; i < shape.style_count; i++)
+    shape.exemplar_count += sty_count_layers(&packing->manifest.styles[i].parameters);
+  return shape;
+}
+
+/* Without a writer all is read, and no table made. */
+static StyStatus write_styles(const Packing *packing, StyBundleWriter *writer, json_t *styles, StyError *error) {
+  Prepared prepared = {.style = NULL};
   StyStatus status = STY_OK;
-  const StyRun run = begin_progress(&arguments->options, "packing");
-  for (int i = 0; !status && i < manifest->style_count; i++) {
-    status =
-        prepare_style(arguments, manifest, &manifest->styles[i], i ? &manifest->styles[i - 1] : NULL, &textures, error);
-    const StyBundleShape shape = {textures.width, textures.height, textures.lut_size, manifest->style_count};
-    if (!status && i == 0 && !arguments->options.dry_run)
-      status = sty_open_bundle_writer(arguments->options.output, &shape, writer, error);
-    if (!status && *writer)
-      status = sty_write_style(*writer, textures.exemplar, textures.guide, textures.lut, &textures.parameters, error);
-    if (!status) describe_style(manifest, i, &textures, styles);
-    if (run.progress) run.progress(run.context, (double)(i + 1) / manifest->style_count);
+  int layer = 0;
+  const StyRun run = begin_progress(&packing->arguments->options, "packing");
+  for (int i = 0; !status && i < packing->manifest.style_count; i++) {
+    StyStyle parameters = packing->manifest.styles[i].parameters;
+    status = prepare_style(packing, i, writer, &prepared, error);
+    if (prepared.unorm8) parameters.flags |= STY_FLAG_UNORM8;
+    if (!status && writer)
+      status = sty_write_style(writer, (const uint8_t *const *)prepared.source.layers, prepared.guide, prepared.lut,
+                               &parameters, error);
+    if (!status) json_array_append_new(styles, describe_style(packing, i, &parameters, layer));
+    layer += sty_count_layers(&parameters);
+    if (run.progress) run.progress(run.context, (double)(i + 1) / packing->manifest.style_count);
   }
-  end_progress(&arguments->options);
-  destroy_textures(&textures);
+  end_progress(&packing->arguments->options);
+  close_prepared(&prepared);
   return status;
 }
 
-static StyStatus print_report(Arguments *arguments, const StyManifest *manifest, double milliseconds, StyError *error) {
-  Options *options = &arguments->options;
+/* Texels of all textures; headers are a few hundred bytes each. */
+static StyStatus report_bytes(Options *options, const Packing *packing) {
+  const StyBundleShape shape = get_shape(packing);
+  const double layer = 4.0 * shape.width * shape.height, styles = shape.style_count;
+  const double bytes = layer * (shape.exemplar_count + styles) + 4.0 * shape.lut_size * shape.lut_size * styles +
+                       16.0 * STY_PARAM_ROWS * styles + (double)STY_JITTER_BYTES * shape.jitter_count;
+  return report_estimate(options,
+                         json_pack("{s:i, s:[ii], s:i, s:i, s:i, s:f}", "styles", shape.style_count, "size",
+                                   shape.width, shape.height, "exemplar_layers", shape.exemplar_count, "lut_size",
+                                   shape.lut_size, "jitter_tables", shape.jitter_count, "bytes", bytes),
+                         "%d style%s, %d exemplar layer%s of %dx%d, tables of %d a side: about %.0f bytes",
+                         shape.style_count, shape.style_count == 1 ? "" : "s", shape.exemplar_count,
+                         shape.exemplar_count == 1 ? "" : "s", shape.width, shape.height, shape.lut_size, bytes);
+}
+
+static StyStatus print_report(Options *options, const Packing *packing, double milliseconds, StyError *error) {
+  const StyManifest *manifest = &packing->manifest;
   const char *plural = manifest->style_count == 1 ? "" : "s";
-  if (options->dry_run) return report_dry_run(options, "%d style%s", manifest->style_count, plural);
+  if (options->dry_run) return report_bytes(options, packing);
   if (options->json)
     return print_json(
         json_pack("{s:s, s:o, s:i, s:f, s:f}", "schema", "stylut-pack/1", "bundle", make_json_text(options->output),
@@ -352,6 +283,12 @@ static StyStatus print_report(Arguments *arguments, const StyManifest *manifest,
   return STY_OK;
 }
 
+/* Budgets are for exact tables, and slack is counted from their distances. */
+static bool takes_exact(const StyManifestStyle *style) {
+  return strcmp(style->lut_resolve, "nearest") != 0 || style->most_mean > 0 || style->most_p99 > 0 ||
+         style->most_error > 0;
+}
+
 /* The manifest's reader knows no engines; their names are checked here. */
 static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
   const StyPath styles = {NULL, "styles", 0};
@@ -359,7 +296,10 @@ static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
     const StyPath style = {&styles, NULL, (size_t)i}, lut = {&style, "lut", 0};
     const StyEngine *engine;
     StyError cause;
-    if (sty_find_engine("engine", manifest->styles[i].lut_engine, &engine, &cause) == STY_OK) continue;
+    if (sty_find_engine("engine", manifest->styles[i].lut_engine, &engine, &cause) == STY_OK) {
+      if (engine->exact || !takes_exact(&manifest->styles[i])) continue;
+      sty_fail(&cause, STY_ERROR_USAGE, "one of the exact engines, as budgets and \"resolve\" count from the least");
+    }
     json_t *name = json_string(manifest->styles[i].lut_engine);
     const char *expected = strstr(cause.text, "one of ");
     sty_fail_value(&manifest->document, &(StyPath){&lut, "engine", 0}, name, expected ? expected : "an engine", error);
@@ -369,31 +309,45 @@ static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
   return STY_OK;
 }
 
-static StyStatus run(Arguments *arguments) {
-  StyError *error = &arguments->options.error;
-  static uint8_t jitter[2 * STY_JITTER_SIZE * STY_JITTER_SIZE];
-  const double start = sty_get_milliseconds();
-  StyManifest manifest;
-  StyStatus status = sty_read_manifest(arguments->manifest, &manifest, error);
-  if (status) return status;
+/* All but the report. */
+static StyStatus pack(Packing *packing, StyError *error) {
+  const Options *options = &packing->arguments->options;
   StyBundleWriter *writer = NULL;
+  uint8_t *jitters = NULL;
   json_t *index = json_object(), *styles = json_array();
-  if (!arguments->options.no_history) status = record_inputs(arguments, &manifest, index, error);
   json_object_set_new(index, "styles", styles);
-  json_object_set_new(index, "seed", json_integer((json_int_t)arguments->options.seed));
-  if (!status) status = check_engines(&manifest, error);
-  if (!status) status = read_jitter(arguments, &manifest, jitter, error);
-  if (!status) status = write_styles(arguments, &manifest, &writer, styles, error);
-  if (!status && writer) status = sty_commit_bundle(&writer, jitter, index, error);
+  json_object_set_new(index, "seed", json_integer((json_int_t)options->seed));
+  StyStatus status = options->no_history ? STY_OK : record_history(packing, index, error);
+  if (!status) status = measure_exemplars(packing, error);
+  if (!status) status = settle_lut_size(packing, error);
+  if (!status) status = get_jitters(packing, &jitters, error);
+  const StyBundleShape shape = get_shape(packing);
+  if (!status && !options->dry_run) status = sty_open_bundle_writer(options->output, &shape, &writer, error);
+  if (!status) status = write_styles(packing, writer, styles, error);
+  if (!status && writer) status = sty_commit_bundle(&writer, jitters, index, error);
   sty_discard_bundle(&writer);
+  free(jitters);
   json_decref(index);
-  if (!status) status = print_report(arguments, &manifest, sty_get_milliseconds() - start, error);
-  sty_close_manifest(&manifest);
+  return status;
+}
+
+static StyStatus run(PackArguments *arguments) {
+  StyError *error = &arguments->options.error;
+  const double start = sty_get_milliseconds();
+  Packing *packing = calloc(1, sizeof *packing);
+  if (!packing) return sty_fail_memory(error, arguments->manifest, sizeof *packing);
+  packing->arguments = arguments;
+  StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
+  if (!status) status = check_engines(&packing->manifest, error);
+  if (!status) status = pack(packing, error);
+  if (!status) status = print_report(&arguments->options, packing, sty_get_milliseconds() - start, error);
+  sty_close_manifest(&packing->manifest);
+  free(packing);
   return status;
 }
 
 StyStatus run_pack(int argc, char **argv) {
-  Arguments arguments = {.manifest = NULL};
+  PackArguments arguments = {.manifest = NULL};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

@@ -123,19 +123,27 @@ typedef struct StyCandidate {
 
 enum { STY_MOST_CANDIDATES = 48 };
 
+/* The lookup errors that a table may have, degrees; 0: any. */
+typedef struct StyBudget {
+  double mean, p99, max;
+} StyBudget;
+
+/* The error that takes the largest share of its budget: up to 1 the budget is met. */
+double sty_compare_budget(const StyFigures *figures, const StyBudget *budget);
+
 /* Builds exact tables of growing size (each about 1.41 times the last, from 16
  * to 4096 a side), in the given encoding, with the metric and sampling of
  * *spec, and with both maps where `any_map` is set and the sampling allows it;
- * finds the one with the fewest bytes whose lookup p99 is at most `budget`
- * degrees, after three halvings between the first that meets it and the last that
+ * finds the one with the fewest bytes that meets the budget,
+ * after three halvings between the first that meets it and the last that
  * doesn't (errors fall only by and large with size). Growing ends two sizes after
  * the budget is met, so that one sees what more would buy, or when three sizes in a
  * row bring no more than 1 %. `candidates` has room for STY_MOST_CANDIDATES and
  * receives all that were tried, by bytes; *chosen is the one to take, or -1 where
  * none will do. */
 StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, bool any_map,
-                          StyEncoding encoding, const StyAuditOptions *options, double budget, const StyRun *run,
-                          StyCandidate *candidates, int *count, int *chosen, StyError *error);
+                          StyEncoding encoding, const StyAuditOptions *options, const StyBudget *budget,
+                          const StyRun *run, StyCandidate *candidates, int *count, int *chosen, StyError *error);
 
 /* The audit as JSON, schema stylut-audit/1; the caller frees it. NULL when
  * memory is short. */

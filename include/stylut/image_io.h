@@ -29,6 +29,11 @@ typedef struct StyImageShape {
  * in a header. Thread-safe. */
 StyStatus sty_read_image_shape(const char *path, StyImageShape *out, StyError *error);
 
+/* All channels at another size, by the filter that OpenImageIO takes where none is named: Blackman-Harris to enlarge,
+ * Lanczos of 3 to reduce. Values may leave the range they had. `name` is for messages; the caller owns *out. */
+StyStatus sty_resize_image(const char *name, const StyImage *image, int width, int height, StyImage **out,
+                           StyError *error);
+
 typedef enum StyImageFormat { STY_IMAGE_EXR, STY_IMAGE_PNG } StyImageFormat;
 
 /* What an output will be, by its name's ending in either case. STY_ERROR_USAGE

@@ -4,16 +4,53 @@
 #define STYLUT_PACK_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "stylut/file.h"
+#include "stylut/image.h"
 #include "stylut/json.h"
 #include "stylut/ktx2.h"
+#include "stylut/parallel.h"
 #include "stylut/runtime.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- parameters: those of StyStyle that people set ---------------------------- */
+
+typedef enum StyParameterKind {
+  STY_PARAMETER_WHOLE,  /* int */
+  STY_PARAMETER_NUMBER, /* float */
+  STY_PARAMETER_SCALE,  /* float: 0.5, 1 or 2 */
+  STY_PARAMETER_FLAG    /* a bit of the flags: true or false */
+} StyParameterKind;
+
+typedef struct StyParameter {
+  const char *name;
+  StyParameterKind kind;
+  double minimum, maximum;
+  size_t offset; /* of the field in StyStyle */
+  unsigned flag;
+} StyParameter;
+
+/* All of them, for manifests and command lines; the last has a NULL name. */
+extern const StyParameter sty_parameters[];
+
+/* What a parameter may be, in words. */
+#define STY_RANGE_SIZE 64
+const char *sty_name_parameter_range(const StyParameter *parameter, char out[STY_RANGE_SIZE]);
+
+/* False where the value is out of range; then the style stays as it is. */
+bool sty_put_parameter(const StyParameter *parameter, double value, StyStyle *style);
+double sty_get_parameter(const StyParameter *parameter, const StyStyle *style);
+
+/* {"threshold": 24, ...}; the caller owns it. */
+json_t *sty_describe_parameters(const StyStyle *style);
+
+/* The parameter `name` from text. STY_ERROR_USAGE lists the names, or the range; `what` names the option. */
+StyStatus sty_set_parameter(const char *what, const char *name, const char *text, StyStyle *style, StyError *error);
 
 /* ---- manifest: stylut-bundle/1, what people write ---------------------------- */
 
@@ -21,22 +58,35 @@ extern "C" {
  * be joined with the manifest's folder. */
 typedef struct StyManifestStyle {
   const char *name;
-  const char *exemplar;     /* picture file */
-  const char *guide;        /* "sphere" or a guide file */
-  const char *lut_file;     /* a table brought along, or NULL: build one */
-  const char *lut_engine;   /* name, "auto" unless given */
-  int lut_size;             /* texels a side, 256 unless given */
+  const char *exemplars[STY_MAX_LIGHTINGS]; /* picture files, parameters.layer_count of them */
+  const char *guide;                        /* "sphere", a guide file or a scene */
+  double base;                              /* Gaussian that its low frequencies are taken with, pixels; 0: none */
+  const json_t *lut;                        /* as it was written, or NULL: what is below says the same */
+  const char *lut_file;                     /* a table brought along, or NULL: build one */
+  const char *lut_engine;                   /* name, "auto" unless given */
+  int lut_size;                             /* texels a side; 0: as the bundle's others, or as the budget asks */
+  double most_mean, most_p99, most_error;   /* budget: lookup errors in degrees; 0: any */
+  const char *lut_resolve;                  /* "nearest" (unless given), "coherent", "frames" or "both" */
+  double lut_slack;                         /* 8-bit levels, for all but "nearest" */
+  const json_t *lut_frames;                 /* guide files, for "frames" and "both"; see sty_get_manifest_name */
   const char *lut_sampling; /* "unorm8" (unless given) or "centre"; NULL for a file that says it itself */
-  StyStyle parameters;      /* layer and flags are left to the packer */
+  StyStyle parameters;      /* first layer and the flags of textures are left to the packer */
 } StyManifestStyle;
 
 typedef struct StyManifest {
   StyDocument document;
   char *folder;
-  const char *jitter; /* picture file whose R and G are the table, or NULL: seeded */
-  int style_count;    /* 1 .. STY_MAX_STYLES */
+  const json_t *jitter; /* picture files whose R and G are the tables, or NULL: seeded */
+  int style_count;      /* 1 .. STY_MAX_STYLES */
   StyManifestStyle *styles;
 } StyManifest;
+
+/* One or more file names: a string, or a list of them. NULL: none. */
+size_t sty_count_manifest_names(const json_t *names);
+const char *sty_get_manifest_name(const json_t *names, size_t i);
+
+/* The layers that a style's exemplars and bases take. */
+int sty_count_layers(const StyStyle *parameters);
 
 /* STY_ERROR_INPUT for wrong types, unknown keys, values out of range, two styles
  * of one name: with file, line and column. Files named inside aren't opened. */
@@ -46,13 +96,22 @@ void sty_close_manifest(StyManifest *manifest);
 /* ---- writing ------------------------------------------------------------------ */
 
 /* A jitter table of white noise: bytes 0..254, so that a seed stays in its
- * cell (255 would put it on the next). STY_JITTER_SIZE^2 texels of 2 bytes. */
+ * cell (255 would put it on the next). STY_JITTER_BYTES: STY_JITTER_SIZE^2 texels of 2. */
+#define STY_JITTER_BYTES (2 * STY_JITTER_SIZE * STY_JITTER_SIZE)
 void sty_make_jitter(uint64_t seed, uint8_t *out);
+
+/* The low frequencies of an exemplar (thesis 000, 2.2.3): a Gaussian of `sigma` pixels over the RGBA bytes, as they are
+ * encoded. What counts is what the guide (channel A) covers, by the exemplar's alpha, so that no background bleeds in;
+ * alpha stays. The caller frees *out. STY_ERROR_LIBRARY: memory. */
+StyStatus sty_make_base(const uint8_t *exemplar, const StyImage *guide, double sigma, const StyRun *run, uint8_t **out,
+                        StyError *error);
 
 typedef struct StyBundleShape {
   int width, height; /* of exemplars and guides */
   int lut_size;
   int style_count;
+  int exemplar_count; /* layers of all styles' exemplars and bases */
+  int jitter_count;   /* tables */
 } StyBundleShape;
 
 /* A bundle in the making: a temporary folder beside its final place. */
@@ -62,12 +121,12 @@ typedef struct StyBundleWriter StyBundleWriter;
  * but a bundle (what people keep there isn't ours to replace). */
 StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, StyBundleWriter **out, StyError *error);
 
-/* Appends the next style's layers: exemplar and guide as RGBA bytes, LUT as two
- * 16-bit values a texel. `parameters->layer` is set by the writer. */
-StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *exemplar, const uint8_t *guide, const uint16_t *lut,
-                          const StyStyle *parameters, StyError *error);
+/* Appends the next style's layers: sty_count_layers exemplars, each lighting's, then each one's base, and the guide as
+ * RGBA bytes, the LUT as two 16-bit values a texel. `parameters->layer` is set by the writer. */
+StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *const *exemplars, const uint8_t *guide,
+                          const uint16_t *lut, const StyStyle *parameters, StyError *error);
 
-/* Writes parameters, jitter (see sty_make_jitter) and bundle.json, checks
+/* Writes parameters, the jitter tables (see sty_make_jitter) and bundle.json, checks
  * everything as a reader would, and puts the bundle in its place. `index`, an
  * object that says what went in, is borrowed and completed with "schema",
  * "version", "files" and "sha256", the hash of the rest in compact form with

@@ -24,6 +24,14 @@ static StyStatus try_spec(const StySites *sites, const StyImage *guide, const St
   return status;
 }
 
+double sty_compare_budget(const StyFigures *figures, const StyBudget *budget) {
+  double share = 0;
+  if (budget->mean > 0) share = fmax(share, figures->mean / budget->mean);
+  if (budget->p99 > 0) share = fmax(share, figures->p99 / budget->p99);
+  if (budget->max > 0) share = fmax(share, figures->max / budget->max);
+  return share;
+}
+
 static int compare_candidates(const void *a, const void *b) {
   const StyCandidate *x = a, *y = b;
   if (x->bytes != y->bytes) return (x->bytes > y->bytes) - (x->bytes < y->bytes);
@@ -38,7 +46,7 @@ typedef struct Search {
   StyEncoding encoding;
   const StyAuditOptions *options;
   const StyRun *run;
-  double budget;
+  const StyBudget *budget;
   StyCandidate *candidates;
   int *count;
 } Search;
@@ -57,7 +65,7 @@ static StyStatus halve_sizes(Search *s, int failed, int met, StyError *error) {
     StyCandidate *candidate;
     status = try_size(s, size, &candidate, error);
     if (status) return status;
-    if (candidate->lookup.p99 <= s->budget)
+    if (sty_compare_budget(&candidate->lookup, s->budget) <= 1)
       met = size;
     else
       failed = size;
@@ -75,22 +83,22 @@ static StyStatus try_sizes(Search *s, StyError *error) {
     StyCandidate *candidate;
     const StyStatus status = try_size(s, size, &candidate, error);
     if (status) return status;
-    const double p99 = candidate->lookup.p99;
-    if (met == 0 && p99 <= s->budget)
+    const double share = sty_compare_budget(&candidate->lookup, s->budget);
+    if (met == 0 && share <= 1)
       least_met = size;
     else if (met == 0)
       last_failed = size;
-    met += met > 0 || p99 <= s->budget;
-    idle = p99 < best * (1 - least_gain) ? 0 : idle + 1;
-    best = fmin(best, p99);
+    met += met > 0 || share <= 1;
+    idle = share < best * (1 - least_gain) ? 0 : idle + 1;
+    best = fmin(best, share);
     if (s->run && s->run->progress) s->run->progress(s->run->context, fmin(1, step / 16.0));
   }
   return least_met && last_failed ? halve_sizes(s, last_failed, least_met, error) : STY_OK;
 }
 
 StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const StyLutSpec *spec, bool any_map,
-                          StyEncoding encoding, const StyAuditOptions *options, double budget, const StyRun *run,
-                          StyCandidate *candidates, int *count, int *chosen, StyError *error) {
+                          StyEncoding encoding, const StyAuditOptions *options, const StyBudget *budget,
+                          const StyRun *run, StyCandidate *candidates, int *count, int *chosen, StyError *error) {
   const StyLutSpec first = {SMALLEST, SMALLEST, spec->sampling, any_map ? STY_MAP_XY : spec->map, spec->metric};
   *count = 0;
   *chosen = -1;
@@ -104,6 +112,6 @@ StyStatus sty_choose_size(const StySites *sites, const StyImage *guide, const St
   if (status) return status;
   qsort(candidates, (size_t)*count, sizeof *candidates, compare_candidates);
   for (int c = *count; c-- > 0;)
-    if (candidates[c].lookup.p99 <= budget) *chosen = c;
+    if (sty_compare_budget(&candidates[c].lookup, budget) <= 1) *chosen = c;
   return STY_OK;
 }

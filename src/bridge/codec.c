@@ -49,6 +49,22 @@ StyStatus sty_read_image_shape(const char *path, StyImageShape *out, StyError *e
   return status ? status : c->read_shape(path, out, error);
 }
 
+StyStatus sty_resize_image(const char *name, const StyImage *image, int width, int height, StyImage **out,
+                           StyError *error) {
+  const StyImageCodec *c;
+  StyImage *resized = NULL;
+  StyStatus status = get_codec(&c, error);
+  const char *names[STY_MAX_CHANNELS];
+  for (int i = 0; i < image->channel_count; i++) names[i] = image->names[i];
+  if (!status) status = sty_create_image(width, height, image->channel_count, names, image->bits, &resized, error);
+  if (!status) status = c->resize(name, image, resized, error);
+  if (status)
+    sty_destroy_image(&resized);
+  else
+    *out = resized;
+  return status;
+}
+
 static bool has_ending(const char *path, const char *ending) {
   const size_t length = strlen(path), tail = strlen(ending);
   return length > tail && strcasecmp(path + length - tail, ending) == 0;

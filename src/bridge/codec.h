@@ -20,6 +20,7 @@ typedef struct StyRowWriter StyRowWriter;
 typedef struct StyImageCodec {
   StyStatus (*read)(const char *path, StyImage **out, StyError *error);
   StyStatus (*read_shape)(const char *path, StyImageShape *out, StyError *error);
+  StyStatus (*resize)(const char *name, const StyImage *image, StyImage *out, StyError *error);
   StyStatus (*open_writer)(const char *path, FILE *stream, StyImageFormat format, const StyImage *like, int height,
                            StyRowWriter **out, StyError *error);
   StyStatus (*write_rows)(StyRowWriter *writer, const StyImage *rows, StyError *error);

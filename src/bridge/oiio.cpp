@@ -356,5 +356,5 @@ static StyStatus close_writer(StyRowWriter **writer, StyError *error) {
 }
 
 extern "C" __attribute__((visibility("default"))) const StyImageCodec sty_image_codec = {
-    sty::read_image, sty::read_shape,   open_writer,        append_rows,        close_writer,
-    discard_writer,  sty::open_texture, sty::close_texture, sty::sample_texture};
+    sty::read_image, sty::read_shape, sty::resize_image, open_writer,        append_rows,
+    close_writer,    discard_writer,  sty::open_texture, sty::close_texture, sty::sample_texture};

@@ -5,22 +5,133 @@
 #include "stylut/pack.h"
 
 static const char *const manifest_schema = "stylut-bundle/1";
-static const double largest_depth_tolerance = 1e30;
+enum { MOST_NAMES = 256 }; /* jitter tables, and frames */
+static const double largest_sigma = 256;
+static const double default_slack = 2, largest_slack = 255; /* as of stylut lut */
+static const double default_luma_weight = 0.25;
+
+size_t sty_count_manifest_names(const json_t *names) { return json_is_string(names) ? 1 : json_array_size(names); }
+
+const char *sty_get_manifest_name(const json_t *names, size_t i) {
+  return json_string_value(json_is_string(names) ? names : json_array_get(names, i));
+}
+
+int sty_count_layers(const StyStyle *parameters) {
+  return parameters->layer_count * (parameters->flags & STY_FLAG_BASE ? 2 : 1);
+}
+
+/* A file name, or a list of them. */
+static StyStatus read_names(const StyDocument *document, const StyPath *parent, const json_t *object, const char *key,
+                            const char *expected, const json_t **out, StyError *error) {
+  const json_t *names = json_object_get(object, key), *name;
+  const StyPath path = {parent, key, 0};
+  size_t i;
+  if (!names) return STY_OK;
+  if (json_string_length(names) == 0 && (json_array_size(names) < 1 || json_array_size(names) > MOST_NAMES))
+    return sty_fail_value(document, &path, names, expected, error);
+  json_array_foreach(names, i, name) if (json_string_length(name) == 0) return sty_fail_value(
+      document, &(StyPath){&path, NULL, i}, name, "a file name", error);
+  *out = names;
+  return STY_OK;
+}
 
 static StyStatus read_parameters(const StyDocument *document, const StyPath *style_path, const json_t *params,
                                  StyStyle *out, StyError *error) {
-  static const char *const known[] = {"threshold", "top_level", "radius", "depth_tolerance", NULL};
+  const char *known[sizeof(StyStyle)] = {NULL}; /* more than there can be */
   if (!params) return STY_OK;
   const StyPath path = {style_path, "params", 0};
-  double tolerance = 0;
-  StyStatus status = sty_check_keys(document, &path, params, known, error);
+  for (int i = 0; sty_parameters[i].name; i++) known[i] = sty_parameters[i].name;
+  const StyStatus status = sty_check_keys(document, &path, params, known, error);
+  if (status) return status;
+  for (const StyParameter *p = sty_parameters; p->name; p++) {
+    const json_t *value = json_object_get(params, p->name);
+    const bool fits = p->kind == STY_PARAMETER_FLAG    ? json_is_boolean(value)
+                      : p->kind == STY_PARAMETER_WHOLE ? json_is_integer(value)
+                                                       : json_is_number(value);
+    char range[STY_RANGE_SIZE];
+    if (value && (!fits || !sty_put_parameter(p, json_is_true(value) ? 1 : json_number_value(value), out)))
+      return sty_fail_value(document, &(StyPath){&path, p->name, 0}, value, sty_name_parameter_range(p, range), error);
+  }
+  return STY_OK;
+}
+
+static StyStatus read_lighting(const StyDocument *document, const StyPath *path, const json_t *exemplar, int number,
+                               StyManifestStyle *out, StyError *error) {
+  static const char *const known[] = {"image", "luma", NULL};
+  double luma = -1;
+  StyStatus status = sty_check_keys(document, path, exemplar, known, error);
+  if (!status) status = sty_get_string(document, path, exemplar, "image", 1, &out->exemplars[number], error);
+  if (!status) status = sty_get_number(document, path, exemplar, "luma", 0, 1, &luma, error);
+  if (!status && luma < 0)
+    status = sty_fail_value(document, path, exemplar, "\"luma\", the luminance that it was painted for", error);
+  for (int i = 0; !status && i < number; i++)
+    if (out->parameters.luma[i] == (float)luma)
+      status = sty_fail_value(document, &(StyPath){path, "luma", 0}, json_object_get(exemplar, "luma"),
+                              "a luminance no other exemplar has", error);
+  out->parameters.luma[number] = (float)luma;
+  return status;
+}
+
+/* "exemplar", or "exemplars" by luminance. */
+static StyStatus read_exemplars(const StyDocument *document, const StyPath *style_path, const json_t *style,
+                                StyManifestStyle *out, StyError *error) {
+  const json_t *list = json_object_get(style, "exemplars"), *exemplar;
+  const StyPath path = {style_path, "exemplars", 0};
+  if (!list) return sty_get_string(document, style_path, style, "exemplar", 1, &out->exemplars[0], error);
+  if (json_object_get(style, "exemplar"))
+    return sty_fail_value(document, &path, list, "either \"exemplar\" or \"exemplars\"", error);
+  const size_t count = json_array_size(list);
+  if (count < 1 || count > STY_MAX_LIGHTINGS)
+    return sty_fail_value(document, &path, list, "a list of 1 to 4 objects", error);
+  size_t i;
+  json_array_foreach(list, i, exemplar) {
+    const StyStatus status = read_lighting(document, &(StyPath){&path, NULL, i}, exemplar, (int)i, out, error);
+    if (status) return status;
+  }
+  out->parameters.layer_count = (int)count;
+  if (count > 1) out->parameters.luma_weight = (float)default_luma_weight;
+  return STY_OK;
+}
+
+/* {"p99": 1.0}: lookup errors, as those of sty_audit_lookup. */
+static StyStatus read_budget(const StyDocument *document, const StyPath *lut_path, const json_t *lut,
+                             StyManifestStyle *out, StyError *error) {
+  static const char *const known[] = {"mean", "p99", "max", NULL};
+  const json_t *budget = json_object_get(lut, "budget");
+  const StyPath path = {lut_path, "budget", 0};
+  if (!budget) return STY_OK;
+  StyStatus status = sty_check_keys(document, &path, budget, known, error);
+  if (!status) status = sty_get_number(document, &path, budget, "mean", 1e-6, 180, &out->most_mean, error);
+  if (!status) status = sty_get_number(document, &path, budget, "p99", 1e-6, 180, &out->most_p99, error);
+  if (!status) status = sty_get_number(document, &path, budget, "max", 1e-6, 180, &out->most_error, error);
+  if (!status && json_object_size(budget) == 0)
+    status = sty_fail_value(document, &path, budget, "one of \"mean\", \"p99\", \"max\" in degrees", error);
+  if (!status && json_object_get(lut, "size"))
+    status = sty_fail_value(document, &path, budget, "either \"size\" or \"budget\"", error);
+  return status;
+}
+
+static StyStatus read_resolve(const StyDocument *document, const StyPath *path, const json_t *lut,
+                              StyManifestStyle *out, StyError *error) {
+  static const char *const words[] = {"nearest", "coherent", "frames", "both", NULL};
+  int word = 0;
+  StyStatus status = sty_get_choice(document, path, lut, "resolve", words, &word, error);
+  out->lut_resolve = words[word];
+  if (!status) status = sty_get_number(document, path, lut, "slack", 0, largest_slack, &out->lut_slack, error);
   if (!status)
-    status = sty_get_integer(document, &path, params, "threshold", 0, STY_MAX_THRESHOLD, &out->threshold, error);
-  if (!status) status = sty_get_integer(document, &path, params, "top_level", 0, STY_MAX_LEVEL, &out->top_level, error);
-  if (!status) status = sty_get_integer(document, &path, params, "radius", 0, STY_MAX_RADIUS, &out->radius, error);
-  if (!status)
-    status = sty_get_number(document, &path, params, "depth_tolerance", 0, largest_depth_tolerance, &tolerance, error);
-  out->depth_tolerance = (float)tolerance;
+    status = read_names(document, path, lut, "frames", "a guide file, or a list of 1 to 256", &out->lut_frames, error);
+  const json_t *slack = json_object_get(lut, "slack"), *resolve = json_object_get(lut, "resolve");
+  if (!status && slack && word == 0)
+    status = sty_fail_value(document, &(StyPath){path, "slack", 0}, slack, "it with another \"resolve\" than nearest",
+                            error);
+  if (!status && word != 0 && json_object_get(lut, "budget"))
+    status =
+        sty_fail_value(document, &(StyPath){path, "resolve", 0}, resolve, "\"nearest\", which budgets are for", error);
+  if (!status && word >= 2 && !out->lut_frames)
+    status = sty_fail_value(document, &(StyPath){path, "resolve", 0}, resolve, "it with \"frames\" to serve", error);
+  if (!status && word < 2 && out->lut_frames)
+    status = sty_fail_value(document, &(StyPath){path, "frames", 0}, out->lut_frames,
+                            "them with \"resolve\" \"frames\" or \"both\"", error);
   return status;
 }
 
@@ -28,10 +139,13 @@ static StyStatus read_parameters(const StyDocument *document, const StyPath *sty
  * file holds it. */
 static StyStatus read_lut(const StyDocument *document, const StyPath *style_path, const json_t *style,
                           StyManifestStyle *out, StyError *error) {
-  static const char *const known[] = {"file", "size", "engine", "resolve", "sampling", NULL};
-  static const char *const file_only[] = {"file", "sampling", NULL};
+  static const char *const built[] = {"file",     "size",  "budget", "engine", "resolve",
+                                      "sampling", "slack", "frames", NULL};
+  static const char *const brought[] = {"file", "sampling", NULL};
+  static const char *const samplings[] = {"unorm8", "centre", NULL};
   const StyPath path = {style_path, "lut", 0};
   const json_t *lut = json_object_get(style, "lut");
+  out->lut = lut;
   if (!lut) return STY_OK;
   if (json_is_string(lut)) {
     out->lut_sampling = NULL;
@@ -39,38 +153,45 @@ static StyStatus read_lut(const StyDocument *document, const StyPath *style_path
   }
   if (!json_is_object(lut)) return sty_fail_value(document, &path, lut, "a file name or an object", error);
   const bool is_file = json_object_get(lut, "file");
-  const char *resolve = "nearest";
-  if (is_file) out->lut_sampling = NULL;
-  StyStatus status = sty_check_keys(document, &path, lut, is_file ? file_only : known, error);
+  int sampling = 0;
+  StyStatus status = sty_check_keys(document, &path, lut, is_file ? brought : built, error);
   if (!status) status = sty_get_string(document, &path, lut, "file", 0, &out->lut_file, error);
   if (!status) status = sty_get_integer(document, &path, lut, "size", 2, STY_MAX_LUT_SIDE, &out->lut_size, error);
   if (!status) status = sty_get_string(document, &path, lut, "engine", 0, &out->lut_engine, error);
-  if (!status) status = sty_get_string(document, &path, lut, "sampling", 0, &out->lut_sampling, error);
-  if (!status) status = sty_get_string(document, &path, lut, "resolve", 0, &resolve, error);
-  const char *sampling = out->lut_sampling;
-  if (!status && sampling && strcmp(sampling, "unorm8") != 0 && strcmp(sampling, "centre") != 0)
-    status = sty_fail_value(document, &(StyPath){&path, "sampling", 0}, json_object_get(lut, "sampling"),
-                            "\"unorm8\" or \"centre\"", error);
-  if (!status && strcmp(resolve, "nearest") != 0)
-    status = sty_fail_value(document, &(StyPath){&path, "resolve", 0}, json_object_get(lut, "resolve"), "\"nearest\"",
-                            error);
+  if (!status) status = sty_get_choice(document, &path, lut, "sampling", samplings, &sampling, error);
+  if (!status) status = read_budget(document, &path, lut, out, error);
+  if (!status) status = read_resolve(document, &path, lut, out, error);
+  out->lut_sampling = is_file && !json_object_get(lut, "sampling") ? NULL : samplings[sampling];
+  return status;
+}
+
+static StyStatus read_base(const StyDocument *document, const StyPath *path, const json_t *style, StyManifestStyle *out,
+                           StyError *error) {
+  const json_t *base = json_object_get(style, "base");
+  if (!base) return STY_OK;
+  const StyStatus status = sty_get_number(document, path, style, "base", 0, largest_sigma, &out->base, error);
+  if (!status && out->base == 0)
+    return sty_fail_value(document, &(StyPath){path, "base", 0}, base, "a number above 0, in pixels", error);
+  out->parameters.flags |= STY_FLAG_BASE;
   return status;
 }
 
 static StyStatus read_style(const StyDocument *document, const StyPath *path, const json_t *style,
                             StyManifestStyle *out, StyError *error) {
-  static const char *const known[] = {"name", "exemplar", "guide", "lut", "params", NULL};
+  static const char *const known[] = {"name", "exemplar", "exemplars", "guide", "base", "lut", "params", NULL};
   *out = (StyManifestStyle){
       .guide = "sphere",
       .lut_engine = "auto",
-      .lut_size = 256,
+      .lut_resolve = "nearest",
+      .lut_slack = default_slack,
       .lut_sampling = "unorm8",
       .parameters = {.threshold = 24, .top_level = 6, .radius = 1, .layer_count = 1, .jitter_amount = 1, .scale = 1},
   };
   StyStatus status = sty_check_keys(document, path, style, known, error);
   if (!status) status = sty_get_string(document, path, style, "name", 1, &out->name, error);
-  if (!status) status = sty_get_string(document, path, style, "exemplar", 1, &out->exemplar, error);
+  if (!status) status = read_exemplars(document, path, style, out, error);
   if (!status) status = sty_get_string(document, path, style, "guide", 0, &out->guide, error);
+  if (!status) status = read_base(document, path, style, out, error);
   if (!status) status = read_lut(document, path, style, out, error);
   if (!status) status = read_parameters(document, path, json_object_get(style, "params"), &out->parameters, error);
   return status;
@@ -112,7 +233,9 @@ StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error)
   if (!status && strcmp(schema, manifest_schema) != 0)
     status = sty_fail_value(document, &(StyPath){NULL, "schema", 0}, json_object_get(document->root, "schema"),
                             "\"stylut-bundle/1\"", error);
-  if (!status) status = sty_get_string(document, NULL, document->root, "jitter", 0, &manifest.jitter, error);
+  if (!status)
+    status = read_names(document, NULL, document->root, "jitter", "a picture file, or a list of 1 to 256",
+                        &manifest.jitter, error);
   if (!status) status = read_styles(&manifest, error);
   if (status)
     sty_close_manifest(&manifest);

@@ -18,7 +18,8 @@ struct StyBundleWriter {
   char *temporary; /* folder beside it */
   StyBundleShape shape;
   StyKtx2 textures[STY_BUNDLE_FILES];
-  int written;
+  int written;                        /* styles, and */
+  int exemplars;                      /* layers of theirs */
   float (*params)[STY_MAX_STYLES][4]; /* STY_PARAM_ROWS rows */
 };
 
@@ -117,8 +118,8 @@ StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, 
   StyStatus status = make_temporary(writer, path, error);
   const int styles = shape->style_count;
   if (!status)
-    status =
-        open_texture(writer, STY_BUNDLE_EXEMPLARS, STY_VK_R8G8B8A8_SRGB, shape->width, shape->height, styles, error);
+    status = open_texture(writer, STY_BUNDLE_EXEMPLARS, STY_VK_R8G8B8A8_SRGB, shape->width, shape->height,
+                          shape->exemplar_count, error);
   if (!status)
     status = open_texture(writer, STY_BUNDLE_GUIDES, STY_VK_R8G8B8A8_UNORM, shape->width, shape->height, styles, error);
   if (!status)
@@ -127,7 +128,8 @@ StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, 
   if (!status)
     status = open_texture(writer, STY_BUNDLE_PARAMS, STY_VK_R32G32B32A32_SFLOAT, styles, STY_PARAM_ROWS, 1, error);
   if (!status)
-    status = open_texture(writer, STY_BUNDLE_JITTER, STY_VK_R8G8_UNORM, STY_JITTER_SIZE, STY_JITTER_SIZE, 1, error);
+    status = open_texture(writer, STY_BUNDLE_JITTER, STY_VK_R8G8_UNORM, STY_JITTER_SIZE, STY_JITTER_SIZE,
+                          shape->jitter_count, error);
   if (status)
     sty_discard_bundle(&writer);
   else
@@ -135,19 +137,21 @@ StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, 
   return status;
 }
 
-StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *exemplar, const uint8_t *guide, const uint16_t *lut,
-                          const StyStyle *parameters, StyError *error) {
+StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *const *exemplars, const uint8_t *guide,
+                          const uint16_t *lut, const StyStyle *parameters, StyError *error) {
   if (writer->written >= writer->shape.style_count)
     return sty_fail(error, STY_ERROR_USAGE, "%s: found more styles than the %d expected", writer->path,
                     writer->shape.style_count);
-  const int style = writer->written++;
+  const int style = writer->written++, layers = sty_count_layers(parameters);
   float rows[STY_PARAM_ROWS][4];
   StyStyle placed = *parameters;
-  placed.layer = style;
-  placed.layer_count = 1;
+  placed.layer = writer->exemplars;
+  writer->exemplars += layers;
   sty_encode_style(&placed, rows);
   for (int row = 0; row < STY_PARAM_ROWS; row++) memcpy(writer->params[row][style], rows[row], sizeof rows[row]);
-  StyStatus status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_EXEMPLARS], exemplar, error);
+  StyStatus status = STY_OK;
+  for (int layer = 0; !status && layer < layers; layer++)
+    status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_EXEMPLARS], exemplars[layer], error);
   if (!status) status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_GUIDES], guide, error);
   if (!status) status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_LUTS], lut, error);
   return status;
@@ -218,7 +222,8 @@ static StyStatus move_into_place(StyBundleWriter *writer, StyError *error) {
 StyStatus sty_commit_bundle(StyBundleWriter **writer_slot, const uint8_t *jitter, json_t *index, StyError *error) {
   StyBundleWriter *writer = *writer_slot;
   StyStatus status = write_parameters(writer, error);
-  if (!status) status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_JITTER], jitter, error);
+  for (int table = 0; !status && table < writer->shape.jitter_count; table++)
+    status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_JITTER], jitter + table * STY_JITTER_BYTES, error);
   for (int i = 0; !status && i < STY_BUNDLE_FILES; i++) status = sty_commit_ktx2(&writer->textures[i], error);
   if (!status) status = write_index(writer, index, error);
   StyLoadedBundle check;

@@ -945,8 +945,8 @@ static void test_choose_size(void **state) {
   assert_int_equal(sty_collect_sites("guide", guide, &sites, NULL), STY_OK);
   for (int any_map = 0; any_map < 2; any_map++) {
     const StyLutSpec spec = describe(1, STY_SAMPLE_CENTRE);
-    assert_int_equal(sty_choose_size(sites, guide, &spec, any_map, STY_ENCODE_RG16, &options, 6, &ONE_THREAD,
-                                     candidates, &count, &chosen, NULL),
+    assert_int_equal(sty_choose_size(sites, guide, &spec, any_map, STY_ENCODE_RG16, &options, &(StyBudget){.p99 = 6},
+                                     &ONE_THREAD, candidates, &count, &chosen, NULL),
                      STY_OK);
     assert_in_range(chosen, 0, count - 1);
     for (int c = 0; c < count; c++) {
@@ -959,11 +959,11 @@ static void test_choose_size(void **state) {
   StyLutSpec odd = describe(1, STY_SAMPLE_UNORM8);
   odd.map = STY_MAP_EQUAL_AREA;
   StyError error = {STY_OK, ""};
-  expect_message(sty_choose_size(sites, guide, &odd, false, STY_ENCODE_RG16, &options, 6, &ONE_THREAD, candidates,
-                                 &count, &chosen, &error),
+  expect_message(sty_choose_size(sites, guide, &odd, false, STY_ENCODE_RG16, &options, &(StyBudget){.p99 = 6},
+                                 &ONE_THREAD, candidates, &count, &chosen, &error),
                  STY_ERROR_USAGE, &error, PARTS("unorm8", "equal-area"));
-  assert_int_equal(sty_choose_size(sites, guide, &odd, true, STY_ENCODE_RG16, &options, 90, &ONE_THREAD, candidates,
-                                   &count, &chosen, &error),
+  assert_int_equal(sty_choose_size(sites, guide, &odd, true, STY_ENCODE_RG16, &options, &(StyBudget){.p99 = 90},
+                                   &ONE_THREAD, candidates, &count, &chosen, &error),
                    STY_OK);
   sty_destroy_sites(&sites);
   sty_destroy_image(&guide);

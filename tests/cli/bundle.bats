@@ -45,7 +45,7 @@ same_bundles() {
   expect_holds info "$output" 'exemplars.ktx2  128x128, 1 layer(s)'
   expect_holds info "$output" "style 1 'oil': threshold 24, top level 6, radius 1, depth tolerance 0, unorm8 table"
   accept info bundle --format json
-  expect index "$(json - '[r.schema, r.styles.length, r.styles[0].name, r.styles[0].exemplar.size, r.styles[0].lut.size, r.styles[0].lut.sampling, r.seed].join()' <<<"$output")" \
+  expect index "$(json - '[r.schema, r.styles.length, r.styles[0].name, r.styles[0].size, r.styles[0].lut.size, r.styles[0].lut.sampling, r.seed].join()' <<<"$output")" \
     stylut-bundle-index/1,1,oil,128,128,256,unorm8,0
   expect 'hash of the exemplar' "$(json - 'r.history.inputs["oil128.png"]' <<<"$output")" "$(sha256sum oil128.png | cut -d' ' -f1)"
   local file

@@ -3,14 +3,17 @@
 #include "stylut/pack.h"
 
 static void check_style(const StyManifestStyle *style) {
-  require(*style->name && *style->exemplar && *style->guide && *style->lut_engine);
+  require(*style->name && *style->guide && *style->lut_engine && *style->lut_resolve);
+  require(style->parameters.layer_count >= 1 && style->parameters.layer_count <= STY_MAX_LIGHTINGS);
+  for (int i = 0; i < style->parameters.layer_count; i++) require(*style->exemplars[i]);
+  require(style->base > 0 || !(style->parameters.flags & STY_FLAG_BASE));
   require(!style->lut_file || *style->lut_file);
   require(style->lut_sampling || style->lut_file);
-  require(style->lut_size >= 2 && style->lut_size <= STY_MAX_LUT_SIDE);
-  require(style->parameters.threshold >= 0 && style->parameters.threshold <= STY_MAX_THRESHOLD);
-  require(style->parameters.top_level >= 0 && style->parameters.top_level <= STY_MAX_LEVEL);
-  require(style->parameters.radius >= 0 && style->parameters.radius <= STY_MAX_RADIUS);
-  require(style->parameters.depth_tolerance >= 0);
+  require(style->lut_size == 0 || (style->lut_size >= 2 && style->lut_size <= STY_MAX_LUT_SIDE));
+  for (const StyParameter *p = sty_parameters; p->name; p++) {
+    const double value = sty_get_parameter(p, &style->parameters);
+    require(value >= p->minimum && value <= p->maximum);
+  }
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
@@ -22,7 +25,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     return 0;
   }
   require(manifest.style_count >= 1 && manifest.style_count <= STY_MAX_STYLES);
-  require(!manifest.jitter || *manifest.jitter);
+  for (size_t i = 0; i < sty_count_manifest_names(manifest.jitter); i++)
+    require(*sty_get_manifest_name(manifest.jitter, i));
   for (int i = 0; i < manifest.style_count; i++) {
     check_style(&manifest.styles[i]);
     for (int k = 0; k < i; k++) require(strcmp(manifest.styles[k].name, manifest.styles[i].name) != 0);

@@ -57,7 +57,7 @@ for (const format of formats)
   }
 
 const index = JSON.parse(readFileSync(join(bundle, 'bundle.json')));
-const styles = index.styles.length, [width, height] = index.styles[0].exemplar.size, lut = index.styles[0].lut.size;
+const styles = index.styles.length, [width, height] = index.styles[0].size, lut = index.styles[0].lut.size;
 const byVk = (vk) => formats.find((format) => format.vk === vk);
 check(join(bundle, 'exemplars.ktx2'), byVk(43), width, height, styles);
 check(join(bundle, 'guides.ktx2'), byVk(37), width, height, styles);

@@ -12,7 +12,7 @@ enum {
   LUT_SIZE = 5,
   JITTER_BYTES = 2 * STY_JITTER_SIZE * STY_JITTER_SIZE
 };
-static const StyBundleShape SHAPE = {WIDTH, HEIGHT, LUT_SIZE, 1};
+static const StyBundleShape SHAPE = {WIDTH, HEIGHT, LUT_SIZE, 1, 1, 1};
 
 static const StyStyle PARAMETERS = {.threshold = 24,
                                     .top_level = 4,
@@ -52,7 +52,7 @@ static json_t *make_index(int styles) {
 static StyBundleWriter *open_writer(const char *path, int width, int styles) {
   StyBundleShape shape = SHAPE;
   shape.width = width;
-  shape.style_count = styles;
+  shape.style_count = shape.exemplar_count = styles;
   StyBundleWriter *writer = NULL;
   StyError error = {STY_OK, ""};
   if (sty_open_bundle_writer(path, &shape, &writer, &error) != STY_OK) fail_msg("%s", error.text);
@@ -62,7 +62,8 @@ static StyBundleWriter *open_writer(const char *path, int width, int styles) {
 
 static void write_style(StyBundleWriter *writer, const Layers *layers, const StyStyle *parameters) {
   StyError error = {STY_OK, ""};
-  if (sty_write_style(writer, layers->exemplar, layers->guide, layers->lut, parameters, &error) != STY_OK)
+  if (sty_write_style(writer, &(const uint8_t *){layers->exemplar}, layers->guide, layers->lut, parameters, &error) !=
+      STY_OK)
     fail_msg("%s", error.text);
 }
 
@@ -353,7 +354,8 @@ static void test_bad_parameters_are_not_written(void **state) {
   for (int i = 0; i < 4; i++) {
     StyBundleWriter *writer = open_writer(path_in(scratch, "bundle"), WIDTH, 1);
     StyError error = {STY_OK, ""};
-    StyStatus status = sty_write_style(writer, layers.exemplar, layers.guide, layers.lut, &bad[i], &error);
+    StyStatus status =
+        sty_write_style(writer, &(const uint8_t *){layers.exemplar}, layers.guide, layers.lut, &bad[i], &error);
     if (status == STY_OK) {
       json_t *index = make_index(1);
       status = sty_commit_bundle(&writer, jitter, index, &error);
@@ -554,7 +556,7 @@ static void test_finding_mismatch(void **state) {
   memset(larger, 255, sizeof larger);
   const Layers layers = make_layers(1);
   StyBundleWriter *writer = open_writer(wide, WIDTH + 1, 1);
-  assert_int_equal(sty_write_style(writer, larger, larger, layers.lut, &PARAMETERS, NULL), STY_OK);
+  assert_int_equal(sty_write_style(writer, &(const uint8_t *){larger}, larger, layers.lut, &PARAMETERS, NULL), STY_OK);
   json_t *index = make_index(1);
   assert_int_equal(sty_commit_bundle(&writer, jitter, index, NULL), STY_OK);
   json_decref(index);

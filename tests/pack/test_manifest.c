@@ -22,11 +22,11 @@ static void test_defaults(void **state) {
   assert_int_equal(manifest.style_count, 1);
   const StyManifestStyle *style = manifest.styles;
   assert_string_equal(style->name, "a");
-  assert_string_equal(style->exemplar, "a.png");
+  assert_string_equal(style->exemplars[0], "a.png");
   assert_string_equal(style->guide, "sphere");
   assert_null(style->lut_file);
   assert_string_equal(style->lut_engine, "auto");
-  assert_int_equal(style->lut_size, 256);
+  assert_int_equal(style->lut_size, 0);
   assert_string_equal(style->lut_sampling, "unorm8");
   assert_int_equal(style->parameters.threshold, 24);
   assert_in_range(style->parameters.top_level, 0, STY_MAX_LEVEL);
@@ -49,10 +49,10 @@ static void test_every_key(void **state) {
             " \"jitter\": \"noise.png\"}",
             &manifest);
   assert_int_equal(manifest.style_count, 3);
-  assert_string_equal(manifest.jitter, "noise.png");
+  assert_string_equal(sty_get_manifest_name(manifest.jitter, 0), "noise.png");
   const StyManifestStyle *first = manifest.styles, *second = first + 1, *third = first + 2;
   assert_string_equal(first->name, "first");
-  assert_string_equal(first->exemplar, "x/a.png");
+  assert_string_equal(first->exemplars[0], "x/a.png");
   assert_string_equal(first->guide, "g.exr");
   assert_int_equal(first->lut_size, 64);
   assert_string_equal(first->lut_engine, "brute");
@@ -99,8 +99,10 @@ static void test_wrong_types(void **state) {
     const char *bad = not_strings[i];
     snprintf(text, sizeof text, "{\"schema\": @%s, \"styles\": [" ONE "]}", bad);
     expect_fault(scratch, text, "schema");
-    snprintf(text, sizeof text, HEAD "[" ONE "],\n\n \"jitter\": @%s}", bad);
-    expect_fault(scratch, text, "jitter");
+    if (strcmp(bad, "[\"a\"]") != 0) { /* a list of one file */
+      snprintf(text, sizeof text, HEAD "[" ONE "],\n\n \"jitter\": @%s}", bad);
+      expect_fault(scratch, text, "jitter");
+    }
     snprintf(text, sizeof text, HEAD "[{\"name\": @%s, \"exemplar\": \"a.png\"}]}", bad);
     expect_fault(scratch, text, "name");
     snprintf(text, sizeof text, HEAD "[" ONE ",\n{\"name\": \"b\", \"exemplar\": @%s}]}", bad);
@@ -180,6 +182,57 @@ static void test_ranges(void **state) {
   expect_fault(scratch, HEAD "[{\"name\": \"b\", \"exemplar\": \"b.png\", \"lut\": {\"resolve\": @\"best\"}}]}",
                "resolve");
   expect_fault(scratch, "{\"styles\": [" ONE "], \"schema\": @\"stylut-bundle/2\"}", "schema");
+}
+
+#define TWO(second) HEAD "[{\"name\": \"a\", \"exemplars\": [{\"image\": \"d.png\", \"luma\": 0.25}, " second "]}]}"
+
+static void test_lightings(void **state) {
+  Scratch *scratch = *state;
+  StyManifest manifest = {0};
+  open_text(scratch, TWO("{\"image\": \"l.png\", \"luma\": 0.75}"), &manifest);
+  const StyManifestStyle *style = manifest.styles;
+  assert_int_equal(style->parameters.layer_count, 2);
+  assert_int_equal(sty_count_layers(&style->parameters), 2);
+  assert_string_equal(style->exemplars[1], "l.png");
+  assert_true(style->parameters.luma[0] == 0.25f && style->parameters.luma[1] == 0.75f);
+  assert_true(style->parameters.luma_weight == 0.25f);
+  sty_close_manifest(&manifest);
+  expect_fault(scratch, TWO("{\"image\": \"l.png\", \"luma\": @0.25}"), "exemplars[1].luma");
+  expect_fault(scratch, TWO("{\"image\": \"l.png\", \"luma\": @1.5}"), "exemplars[1].luma");
+  expect_fault(scratch, HEAD "[{\"name\": \"a\", \"exemplars\": @[]}]}", "exemplars");
+  expect_fault(scratch, HEAD "[{\"name\": \"a\", \"exemplars\": @[{}, {}, {}, {}, {}]}]}", "exemplars");
+  expect_fault(scratch, HEAD "[{\"name\": \"a\", \"exemplar\": \"a.png\", \"exemplars\": @[]}]}", "exemplars");
+}
+
+static void test_bases_and_budgets(void **state) {
+  Scratch *scratch = *state;
+  StyManifest manifest = {0};
+  open_text(scratch,
+            HEAD
+            "[{\"name\": \"a\", \"exemplar\": \"a.png\", \"base\": 8, \"lut\": {\"budget\": {\"p99\": 1}},\n"
+            "\"params\": {\"objects\": true, \"scale\": 0.5, \"scatter\": 3}}]}",
+            &manifest);
+  const StyManifestStyle *style = manifest.styles;
+  assert_int_equal(style->parameters.flags, STY_FLAG_BASE | STY_FLAG_OBJECTS);
+  assert_int_equal(sty_count_layers(&style->parameters), 2);
+  assert_true(style->base == 8 && style->most_p99 == 1 && style->most_mean == 0 && style->lut_size == 0);
+  assert_true(style->parameters.scale == 0.5f);
+  assert_int_equal(style->parameters.scatter, 3);
+  sty_close_manifest(&manifest);
+  static const char *const faults[][2] = {{"\"base\": @0", "base"},
+                                          {"\"lut\": {\"budget\": @{}}", "budget"},
+                                          {"\"lut\": {\"size\": 64, \"budget\": @{\"max\": 2}}", "budget"},
+                                          {"\"lut\": {\"resolve\": @\"frames\"}", "resolve"},
+                                          {"\"lut\": {\"slack\": @1}", "slack"},
+                                          {"\"lut\": {\"frames\": @[\"f.exr\"]}", "frames"},
+                                          {"\"params\": {\"scale\": @0.7}", "scale"},
+                                          {"\"params\": {\"objects\": @1}", "objects"},
+                                          {"\"params\": {\"scatter\": @65}", "scatter"}};
+  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+    char text[512];
+    snprintf(text, sizeof text, HEAD "[{\"name\": \"a\", \"exemplar\": \"a.png\", %s}]}", faults[i][0]);
+    expect_fault(scratch, text, faults[i][1]);
+  }
 }
 
 static void expect_refusal(Scratch *scratch, const char *text, const char *first, const char *second) {
@@ -273,10 +326,10 @@ static void test_truncated(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      scratch_test(test_defaults),   scratch_test(test_every_key),        scratch_test(test_wrong_types),
-      scratch_test(test_ranges),     scratch_test(test_unknown_keys),     scratch_test(test_missing_keys),
-      scratch_test(test_duplicates), scratch_test(test_number_of_styles), scratch_test(test_not_a_manifest),
-      scratch_test(test_truncated),
+      scratch_test(test_defaults),         scratch_test(test_every_key),      scratch_test(test_wrong_types),
+      scratch_test(test_ranges),           scratch_test(test_lightings),      scratch_test(test_bases_and_budgets),
+      scratch_test(test_unknown_keys),     scratch_test(test_missing_keys),   scratch_test(test_duplicates),
+      scratch_test(test_number_of_styles), scratch_test(test_not_a_manifest), scratch_test(test_truncated),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -70,7 +70,7 @@ static void make_bundle(const char *path, const uint8_t *exemplar, const uint8_t
     jitter[2 * i] = jitter_rgba[4 * i];
     jitter[2 * i + 1] = jitter_rgba[4 * i + 1];
   }
-  const StyBundleShape shape = {SOURCE, SOURCE, TABLE, 1};
+  const StyBundleShape shape = {SOURCE, SOURCE, TABLE, 1, 1, 1};
   const StyStyle style = {.threshold = THRESHOLD,
                           .top_level = TOP_LEVEL,
                           .radius = 1,
@@ -81,7 +81,7 @@ static void make_bundle(const char *path, const uint8_t *exemplar, const uint8_t
   StyBundleWriter *writer = NULL;
   StyError error;
   if (sty_open_bundle_writer(path, &shape, &writer, &error)) fail_msg("%s", error.text);
-  if (sty_write_style(writer, exemplar, guide, lut, &style, &error)) fail_msg("%s", error.text);
+  if (sty_write_style(writer, &exemplar, guide, lut, &style, &error)) fail_msg("%s", error.text);
   json_t *index = json_pack("{s:[{s:s}]}", "styles", "name", "published");
   if (sty_commit_bundle(&writer, jitter, index, &error)) fail_msg("%s", error.text);
   json_decref(index);

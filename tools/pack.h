@@ -1,0 +1,58 @@
+/* A bundle in the packing: what its styles are made of, at the size that they share. */
+#ifndef STYLUT_TOOLS_PACK_H
+#define STYLUT_TOOLS_PACK_H
+
+#include "options.h"
+#include "stylut/lut.h"
+#include "stylut/pack.h"
+
+typedef enum Fit { FIT_NONE, FIT_RESIZE, FIT_PAD } Fit;
+
+typedef struct PackArguments {
+  Options options;
+  const char *manifest;
+  int fit;           /* a Fit: what becomes of exemplars of differing sizes */
+  int jitter_frames; /* tables to be drawn */
+} PackArguments;
+
+typedef struct Size {
+  int width, height;
+} Size;
+
+typedef struct Packing {
+  const PackArguments *arguments;
+  StyManifest manifest;
+  Size sizes[STY_MAX_STYLES]; /* of each style's exemplars, as their files have them */
+  Size size;                  /* that all have in the bundle */
+  int lut_size;
+} Packing;
+
+/* One style's source. */
+typedef struct Source {
+  uint8_t *layers[2 * STY_MAX_LIGHTINGS]; /* RGBA: exemplars, then their bases */
+  StyImage *guide;                        /* covers what all exemplars have paint on */
+} Source;
+
+/* Fills sizes and size from the exemplars' headers. STY_ERROR_INPUT where they differ and no --fit says what to do. */
+StyStatus measure_exemplars(Packing *packing, StyError *error);
+
+/* Reads a style's exemplars and its guide, and makes its bases. The caller closes the source. */
+StyStatus open_source(const Packing *packing, int style, Source *out, StyError *error);
+void close_source(Source *source);
+
+/* Reads a picture as RGBA bytes, which the caller frees. */
+StyStatus read_bytes(const char *path, uint8_t **bytes, Size *size, StyError *error);
+
+/* A file of the manifest; the caller frees it. NULL, with *error, when memory is short. */
+char *find_file(const Packing *packing, const char *name, StyError *error);
+
+/* Fills lut_size: what sizes, tables and budgets of the styles come down to. STY_CHECK_FAILED where a budget can't be
+ * met. */
+StyStatus settle_lut_size(Packing *packing, StyError *error);
+
+/* The table of a style with such a guide: lut_size^2 texels as the bundle has them, which the caller frees; and whether
+ * it is meant for bytes. */
+StyStatus make_table(const Packing *packing, int style, const StyImage *guide, uint16_t **texels, bool *unorm8,
+                     StyError *error);
+
+#endif

@@ -1,0 +1,249 @@
+/* Exemplars and guides at the bundle's size. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "inputs.h"
+#include "pack.h"
+#include "stylut/image_io.h"
+#include "stylut/scene_file.h"
+
+char *find_file(const Packing *packing, const char *name, StyError *error) {
+  char *path = sty_join_path(packing->manifest.folder, name);
+  if (!path) sty_fail_memory(error, name, 0);
+  return path;
+}
+
+static bool is_equal(Size a, Size b) { return a.width == b.width && a.height == b.height; }
+
+/* ---- sizes ---- */
+
+static StyStatus measure_file(const Packing *packing, const char *name, Size *out, StyError *error) {
+  StyImageShape shape = {0};
+  char *path = find_file(packing, name, error);
+  if (!path) return STY_ERROR_LIBRARY;
+  const StyStatus status = sty_read_image_shape(path, &shape, error);
+  free(path);
+  *out = (Size){shape.width, shape.height};
+  return status;
+}
+
+static StyStatus measure_style(const Packing *packing, const StyManifestStyle *style, Size *out, StyError *error) {
+  StyStatus status = measure_file(packing, style->exemplars[0], out, error);
+  if (!status && (out->width > STY_MAX_SOURCE_SIDE || out->height > STY_MAX_SOURCE_SIDE))
+    status = sty_fail(error, STY_ERROR_INPUT, "style '%s': found exemplar %s of %dx%d pixels, expected sides up to %d",
+                      style->name, style->exemplars[0], out->width, out->height, STY_MAX_SOURCE_SIDE);
+  for (int i = 1; !status && i < style->parameters.layer_count; i++) {
+    Size size;
+    status = measure_file(packing, style->exemplars[i], &size, error);
+    if (!status && !is_equal(size, *out))
+      status = sty_fail(error, STY_ERROR_INPUT,
+                        "style '%s': found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a style",
+                        style->name, style->exemplars[0], out->width, out->height, style->exemplars[i], size.width,
+                        size.height);
+  }
+  return status;
+}
+
+StyStatus measure_exemplars(Packing *packing, StyError *error) {
+  const StyManifestStyle *styles = packing->manifest.styles;
+  StyStatus status = STY_OK;
+  for (int i = 0; !status && i < packing->manifest.style_count; i++) {
+    Size *size = &packing->sizes[i];
+    status = measure_style(packing, &styles[i], size, error);
+    const Size first = packing->sizes[0];
+    if (!status && packing->arguments->fit == FIT_NONE && !is_equal(*size, first))
+      status = sty_fail(error, STY_ERROR_INPUT,
+                        "found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a bundle, or --fit",
+                        styles[0].exemplars[0], first.width, first.height, styles[i].exemplars[0], size->width,
+                        size->height);
+    if (size->width > packing->size.width) packing->size.width = size->width;
+    if (size->height > packing->size.height) packing->size.height = size->height;
+  }
+  return status;
+}
+
+/* ---- exemplars ---- */
+
+StyStatus read_bytes(const char *path, uint8_t **bytes, Size *size, StyError *error) {
+  StyImage *image = NULL;
+  StyStatus status = sty_read_image(path, &image, error);
+  uint8_t *out = status ? NULL : malloc(4 * sty_count_pixels(image));
+  if (!status && !out) status = sty_fail_memory(error, path, 4.0 * (double)sty_count_pixels(image));
+  if (!status) status = sty_convert_to_rgba8(path, image, out, error);
+  if (status) {
+    free(out);
+  } else {
+    *bytes = out;
+    *size = (Size){image->width, image->height};
+  }
+  sty_destroy_image(&image);
+  return status;
+}
+
+static void pad_bytes(const uint8_t *bytes, Size from, Size to, uint8_t *out) {
+  memset(out, 0, 4 * (size_t)to.width * (size_t)to.height);
+  for (int y = 0; y < from.height; y++)
+    memcpy(out + 4 * (size_t)y * (size_t)to.width, bytes + 4 * (size_t)y * (size_t)from.width, 4 * (size_t)from.width);
+}
+
+/* Filters have lobes below 0: values are clamped after. */
+static uint8_t to_byte(float value) { return (uint8_t)(value <= 0 ? 0 : value >= 1 ? 255 : value * 255 + 0.5f); }
+
+/* Colours weigh by alpha, so that what isn't painted doesn't bleed in. */
+static StyStatus resize_bytes(const uint8_t *bytes, Size from, Size to, uint8_t *out, StyError *error) {
+  static const char *const names[] = {"R", "G", "B", "A"};
+  StyImage *image = NULL, *larger = NULL;
+  StyStatus status = sty_create_image(from.width, from.height, 4, names, 32, &image, error);
+  if (status) return status;
+  const size_t pixels = sty_count_pixels(image);
+  for (size_t i = 0; i < pixels; i++)
+    for (size_t c = 0; c < 4; c++)
+      image->data[c * pixels + i] = (float)bytes[4 * i + c] / 255 * (c < 3 ? (float)bytes[4 * i + 3] / 255 : 1);
+  status = sty_resize_image("exemplar", image, to.width, to.height, &larger, error);
+  sty_destroy_image(&image);
+  if (status) return status;
+  const size_t count = sty_count_pixels(larger);
+  for (size_t i = 0; i < count; i++) {
+    const float alpha = larger->data[3 * count + i];
+    for (size_t c = 0; c < 3; c++) out[4 * i + c] = alpha > 0 ? to_byte(larger->data[c * count + i] / alpha) : 0;
+    out[4 * i + 3] = to_byte(alpha);
+  }
+  sty_destroy_image(&larger);
+  return STY_OK;
+}
+
+/* Replaces the bytes by those of the bundle's size. */
+static StyStatus fit_bytes(const Packing *packing, Size from, uint8_t **bytes, StyError *error) {
+  const Size to = packing->size;
+  if (is_equal(from, to)) return STY_OK;
+  const size_t size = 4 * (size_t)to.width * (size_t)to.height;
+  uint8_t *out = malloc(size);
+  if (!out) return sty_fail_memory(error, "exemplar", (double)size);
+  StyStatus status = STY_OK;
+  if (packing->arguments->fit == FIT_PAD)
+    pad_bytes(*bytes, from, to, out);
+  else
+    status = resize_bytes(*bytes, from, to, out, error);
+  free(*bytes);
+  *bytes = out;
+  return status;
+}
+
+static StyStatus read_exemplar(const Packing *packing, int style, int lighting, uint8_t **out, StyError *error) {
+  char *path = find_file(packing, packing->manifest.styles[style].exemplars[lighting], error);
+  if (!path) return STY_ERROR_LIBRARY;
+  Size size;
+  StyStatus status = read_bytes(path, out, &size, error);
+  free(path);
+  return status ? status : fit_bytes(packing, packing->sizes[style], out, error);
+}
+
+/* ---- guides ---- */
+
+static bool is_sphere(const StyManifestStyle *style) { return strcmp(style->guide, "sphere") == 0; }
+
+static StyStatus trace_scene(const Packing *packing, const char *path, Size size, StyImage **out, StyError *error) {
+  const StyMeshOptions mesh_options = {.crease_angle = -1};
+  const StyRun run = {.threads = packing->arguments->options.threads};
+  const StyTraceOptions options = {.width = size.width, .height = size.height, .groups = STY_GUIDE_NORMAL};
+  StyScene *scene = NULL;
+  StyViewpoint viewpoint;
+  StyCamera camera;
+  StyStatus status = sty_read_scene(path, &mesh_options, &scene, &viewpoint, error);
+  if (status) return status;
+  status = sty_set_camera(scene, &viewpoint, size.width, size.height, &camera, error);
+  if (status) sty_fail(error, status, "%s: %s", path, error->text);
+  if (!status) status = sty_trace_guide(scene, &camera, &options, &run, NULL, out, error);
+  sty_destroy_scene(&scene);
+  return status;
+}
+
+/* The guide as it is, of the size asked for; files have that of their exemplar. */
+static StyStatus make_guide(const Packing *packing, const StyManifestStyle *style, Size size, StyImage **out,
+                            StyError *error) {
+  if (is_sphere(style)) return sty_make_sphere_guide(size.width, size.height, STY_GUIDE_NORMAL, out, error);
+  char *path = find_file(packing, style->guide, error);
+  if (!path) return STY_ERROR_LIBRARY;
+  const bool is_scene = sty_is_scene_file(path);
+  StyStatus status = is_scene ? trace_scene(packing, path, size, out, error)
+                              : read_guide(&packing->arguments->options, path, out, error);
+  if (!status && !is_equal((Size){(*out)->width, (*out)->height}, size)) {
+    status =
+        sty_fail(error, STY_ERROR_INPUT,
+                 "style '%s': found exemplar %s of %dx%d and guide %s of %dx%d pixels, expected one size", style->name,
+                 style->exemplars[0], size.width, size.height, style->guide, (*out)->width, (*out)->height);
+    sty_destroy_image(out);
+  }
+  free(path);
+  return status;
+}
+
+/* A guide of another size: by nearest pixels, as normals in between two surfaces would be of neither; or as it is, with
+ * nothing right of it and below. */
+static StyStatus fit_guide(const Packing *packing, StyImage **guide, StyError *error) {
+  static const char *const names[] = {"A", "normal.X", "normal.Y", "normal.Z"};
+  const StyImage *from = *guide;
+  const Size to = packing->size;
+  StyImage *out = NULL;
+  const StyStatus status = sty_create_image(to.width, to.height, 4, names, from->bits, &out, error);
+  if (status) return status;
+  const bool pads = packing->arguments->fit == FIT_PAD;
+  for (int c = 0; c < 4; c++) {
+    const float *source = sty_find_channel(from, names[c]);
+    float *target = sty_find_channel(out, names[c]);
+    for (int y = 0; source && y < to.height; y++)
+      for (int x = 0; x < to.width; x++) {
+        const long long i = pads ? x : (2LL * x + 1) * from->width / (2 * to.width);
+        const long long j = pads ? y : (2LL * y + 1) * from->height / (2 * to.height);
+        if (i < from->width && j < from->height)
+          target[(size_t)y * (size_t)to.width + (size_t)x] = source[j * from->width + i];
+      }
+  }
+  sty_destroy_image(guide);
+  *guide = out;
+  return STY_OK;
+}
+
+/* Spheres become ellipses with their exemplars; scenes are seen anew where the proportions stay. */
+static StyStatus get_guide(const Packing *packing, int number, StyImage **out, StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const Size from = packing->sizes[number], to = packing->size;
+  const bool stays = (long long)from.width * to.height == (long long)to.width * from.height;
+  const bool anew =
+      packing->arguments->fit == FIT_RESIZE && (is_sphere(style) || (sty_is_scene_file(style->guide) && stays));
+  const Size size = anew ? to : from;
+  const StyStatus status = make_guide(packing, style, size, out, error);
+  return status || is_equal(size, to) ? status : fit_guide(packing, out, error);
+}
+
+/* Less than half opaque is a hole that no surface should be given. */
+static void uncover_unpainted(const uint8_t *exemplar, StyImage *guide) {
+  float *covered = sty_find_channel(guide, "A");
+  for (size_t i = 0; i < sty_count_pixels(guide); i++)
+    if (exemplar[4 * i + 3] < 128) covered[i] = 0;
+}
+
+StyStatus open_source(const Packing *packing, int number, Source *out, StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const int lightings = style->parameters.layer_count;
+  Source source = {0};
+  StyStatus status = get_guide(packing, number, &source.guide, error);
+  for (int i = 0; !status && i < lightings; i++) {
+    status = read_exemplar(packing, number, i, &source.layers[i], error);
+    if (!status) uncover_unpainted(source.layers[i], source.guide);
+  }
+  const StyRun run = {.threads = packing->arguments->options.threads};
+  for (int i = 0; !status && style->base > 0 && i < lightings; i++)
+    status = sty_make_base(source.layers[i], source.guide, style->base, &run, &source.layers[lightings + i], error);
+  if (status)
+    close_source(&source);
+  else
+    *out = source;
+  return status;
+}
+
+void close_source(Source *source) {
+  for (int i = 0; i < 2 * STY_MAX_LIGHTINGS; i++) free(source->layers[i]);
+  sty_destroy_image(&source->guide);
+  *source = (Source){.guide = NULL};
+}

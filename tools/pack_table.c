@@ -1,0 +1,221 @@
+/* Look-up tables of a bundle's styles, all of one size. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "inputs.h"
+#include "pack.h"
+#include "stylut/audit.h"
+#include "stylut/image_io.h"
+
+enum { DEFAULT_LUT_SIZE = 256 };
+
+/* "unorm8" or "centre", as the manifest's reader made sure; -1 for none. */
+static int get_sampling(const char *name) {
+  return !name ? -1 : strcmp(name, "unorm8") == 0 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE;
+}
+
+static StyStatus collect(const StyManifestStyle *style, const StyImage *guide, StySites **out, StyError *error) {
+  char name[512]; /* only what is covered by both counts */
+  snprintf(name, sizeof name, "%.200s (guide %.200s)", style->exemplars[0], style->guide);
+  return sty_collect_sites(name, guide, out, error);
+}
+
+/* ---- sizes ---- */
+
+/* Which size a style insists on: that of "size", or of its table's file; 0: none. */
+static StyStatus get_fixed_size(const Packing *packing, const StyManifestStyle *style, int *out, StyError *error) {
+  *out = style->lut_size;
+  if (!style->lut_file) return STY_OK;
+  StyImageShape shape;
+  char *path = find_file(packing, style->lut_file, error);
+  if (!path) return STY_ERROR_LIBRARY;
+  const StyStatus status = sty_read_image_shape(path, &shape, error);
+  free(path);
+  if (!status) *out = shape.width;
+  return status;
+}
+
+static StyStatus fail_budget(const StyManifestStyle *style, const StyBudget *budget, const StyCandidate *candidates,
+                             int count, StyError *error) {
+  const StyCandidate *best = candidates;
+  for (int c = 1; c < count; c++)
+    if (sty_compare_budget(&candidates[c].lookup, budget) < sty_compare_budget(&best->lookup, budget))
+      best = &candidates[c];
+  const StyFigures *found = &best->lookup;
+  const bool p99 = budget->p99 > 0 && found->p99 > budget->p99, mean = budget->mean > 0 && found->mean > budget->mean;
+  return sty_fail(error, STY_CHECK_FAILED,
+                  "style '%s': budget: found %s %.4g degrees at best (size %d), expected at most %.4g", style->name,
+                  p99    ? "p99"
+                  : mean ? "mean"
+                         : "max",
+                  p99    ? found->p99
+                  : mean ? found->mean
+                         : found->max,
+                  best->spec.width,
+                  p99    ? budget->p99
+                  : mean ? budget->mean
+                         : budget->max);
+}
+
+/* The size that a style needs to meet its budget. */
+static StyStatus choose_size(const Packing *packing, int number, int *out, StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const StyBudget budget = {style->most_mean, style->most_p99, style->most_error};
+  const StyLutSpec spec = {.sampling = (StySampling)get_sampling(style->lut_sampling)};
+  const StyAuditOptions options = {.weights = STY_WEIGHT_DISC};
+  const StyRun run = {.threads = packing->arguments->options.threads};
+  StyCandidate candidates[STY_MOST_CANDIDATES];
+  int count = 0, chosen = -1;
+  Source source = {0};
+  StySites *sites = NULL;
+  StyStatus status = open_source(packing, number, &source, error);
+  if (!status) status = collect(style, source.guide, &sites, error);
+  if (!status)
+    status = sty_choose_size(sites, source.guide, &spec, false, STY_ENCODE_RG16, &options, &budget, &run, candidates,
+                             &count, &chosen, error);
+  if (!status && chosen < 0) status = fail_budget(style, &budget, candidates, count, error);
+  if (!status) *out = candidates[chosen].spec.width;
+  sty_destroy_sites(&sites);
+  close_source(&source);
+  return status;
+}
+
+static bool has_budget(const StyManifestStyle *style) {
+  return style->most_mean > 0 || style->most_p99 > 0 || style->most_error > 0;
+}
+
+static StyStatus fail_sizes(const StyManifestStyle *a, int size_a, const StyManifestStyle *b, int size_b,
+                            StyError *error) {
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "found LUTs of %d texels a side for style '%s' and %d for '%s', expected one size in a bundle",
+                  size_a, a->name, size_b, b->name);
+}
+
+StyStatus settle_lut_size(Packing *packing, StyError *error) {
+  const StyManifestStyle *styles = packing->manifest.styles, *fixed_by = NULL, *needed_by = NULL;
+  const int count = packing->manifest.style_count;
+  int fixed = 0, needed = 0, size = 0;
+  for (int i = 0; i < count; i++) {
+    const StyStatus status = get_fixed_size(packing, &styles[i], &size, error);
+    if (status) return status;
+    if (size && fixed && size != fixed) return fail_sizes(fixed_by, fixed, &styles[i], size, error);
+    if (!size || fixed) continue;
+    fixed = size;
+    fixed_by = &styles[i];
+  }
+  for (int i = 0; i < count; i++) {
+    if (!has_budget(&styles[i])) continue;
+    const StyStatus status = choose_size(packing, i, &size, error);
+    if (status) return status;
+    if (size <= needed) continue;
+    needed = size;
+    needed_by = &styles[i];
+  }
+  if (fixed && needed > fixed) return fail_sizes(fixed_by, fixed, needed_by, needed, error);
+  packing->lut_size = fixed ? fixed : needed ? needed : DEFAULT_LUT_SIZE;
+  return STY_OK;
+}
+
+/* ---- tables ---- */
+
+static StyStatus read_table(const Packing *packing, int number, StyLut **out, StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const Size size = packing->sizes[number];
+  const StyLutHints hints = {size.width, size.height, get_sampling(style->lut_sampling), STY_FOREIGN_NONE};
+  const bool has_file = strcmp(style->guide, "sphere") != 0;
+  char *path = find_file(packing, style->lut_file, error);
+  char *guide = has_file ? find_file(packing, style->guide, error) : NULL;
+  bool of_another;
+  StyStatus status = path && (guide || !has_file)
+                         ? read_lut(&packing->arguments->options, path, guide, &hints, out, &of_another, error)
+                         : STY_ERROR_LIBRARY;
+  free(path);
+  free(guide);
+  if (!status && ((*out)->spec.map != STY_MAP_XY || (*out)->spec.sampling == STY_SAMPLE_CORNER)) {
+    status =
+        sty_fail(error, STY_ERROR_INPUT, "%s: found a LUT of map %s and sampling %s, expected xy and centre or unorm8",
+                 style->lut_file, sty_map_names[(*out)->spec.map], sty_sampling_names[(*out)->spec.sampling]);
+    sty_destroy_lut(out);
+  }
+  return status;
+}
+
+/* Reads the frames that a table is to serve into `frames`, which has room for MOST_FRAMES. */
+static StyStatus open_frames(const Packing *packing, const StyManifestStyle *style, StyImage *frames[MOST_FRAMES],
+                             StyError *error) {
+  StyStatus status = STY_OK;
+  for (size_t i = 0; !status && i < sty_count_manifest_names(style->lut_frames); i++) {
+    char *path = find_file(packing, sty_get_manifest_name(style->lut_frames, i), error);
+    status = path ? read_guide(&packing->arguments->options, path, &frames[i], error) : STY_ERROR_LIBRARY;
+    free(path);
+  }
+  return status;
+}
+
+static StyStatus resolve(const Packing *packing, const StyManifestStyle *style, const StyImage *guide,
+                         const StySites *sites, StyLut *lut, StyError *error) {
+  if (strcmp(style->lut_resolve, "nearest") == 0) return STY_OK;
+  StyImage *frames[MOST_FRAMES] = {NULL};
+  const StyResolveOptions options = {.slack = style->lut_slack * STY_LEVEL,
+                                     .coherent = strcmp(style->lut_resolve, "frames") != 0,
+                                     .guide = guide,
+                                     .frames = style->lut_frames ? (const StyImage *const *)frames : NULL,
+                                     .frame_count = (int)sty_count_manifest_names(style->lut_frames)};
+  const StyRun run = {.threads = packing->arguments->options.threads};
+  StyStatus status = open_frames(packing, style, frames, error);
+  if (!status) status = sty_resolve_lut(lut, sites, &options, &run, error);
+  destroy_frames(frames);
+  return status;
+}
+
+static StyStatus build_table(const Packing *packing, const StyManifestStyle *style, const StyImage *guide, StyLut **out,
+                             StyError *error) {
+  const StyEngine *engine = NULL;
+  StySites *sites = NULL;
+  StyStatus status = sty_find_engine("engine", style->lut_engine, &engine, error);
+  if (!status) status = collect(style, guide, &sites, error);
+  const StyRun run = {.threads = packing->arguments->options.threads};
+  const StyLutSpec spec = {.width = packing->lut_size,
+                           .height = packing->lut_size,
+                           .sampling = (StySampling)get_sampling(style->lut_sampling)};
+  if (!status) status = sty_build_lut(sites, engine, NULL, &spec, &run, out, error);
+  if (!status) status = resolve(packing, style, guide, sites, *out, error);
+  if (status) sty_destroy_lut(out);
+  sty_destroy_sites(&sites);
+  return status;
+}
+
+/* Where a pixel along a side of the table's source lies in the bundle: built tables have its size already. */
+static uint32_t fit_place(const Packing *packing, uint32_t pixel, uint32_t from, uint32_t to) {
+  return packing->arguments->fit == FIT_RESIZE ? (uint32_t)((2ULL * pixel + 1) * to / (2ULL * from)) : pixel;
+}
+
+static void encode_lut(const Packing *packing, const StyLut *lut, uint16_t *out) {
+  const uint32_t from[2] = {(uint32_t)lut->source_width, (uint32_t)lut->source_height};
+  const uint32_t to[2] = {(uint32_t)packing->size.width, (uint32_t)packing->size.height};
+  for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) {
+    const uint32_t place[2] = {lut->pixels[t] % from[0], lut->pixels[t] / from[0]};
+    for (int k = 0; k < 2; k++)
+      out[2 * t + (size_t)k] =
+          (uint16_t)sty_encode_coordinate(fit_place(packing, place[k], from[k], to[k]), to[k], 65535);
+  }
+}
+
+StyStatus make_table(const Packing *packing, int number, const StyImage *guide, uint16_t **texels, bool *unorm8,
+                     StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  StyLut *lut = NULL;
+  StyStatus status =
+      style->lut_file ? read_table(packing, number, &lut, error) : build_table(packing, style, guide, &lut, error);
+  if (status) return status;
+  const size_t size = sty_count_texels(&lut->spec) * 2 * sizeof **texels;
+  *texels = malloc(size);
+  *unorm8 = lut->spec.sampling == STY_SAMPLE_UNORM8;
+  if (*texels)
+    encode_lut(packing, lut, *texels);
+  else
+    status = sty_fail_memory(error, style->name, (double)size);
+  sty_destroy_lut(&lut);
+  return status;
+}
