@@ -8,6 +8,7 @@
 #include "info_scene.h"
 #include "meshes.h"
 #include "options.h"
+#include "settings.h"
 #include "stylut/image_io.h"
 #include "stylut/pack.h"
 #include "stylut/scene_file.h"
@@ -113,21 +114,27 @@ static StyStatus show_image(const Arguments *arguments, StyError *error) {
 
 /* ---- bundles ---- */
 
+static void print_style(int number, const json_t *entry, const StyStyle *style) {
+  const char *name = json_string_value(json_object_get(entry, "name"));
+  printf("  style %d '%s': ", number, clean_text(name ? name : ""));
+  for (int i = 0; i < style->layer_count && style->layer_count > 1; i++)
+    printf("%s%g%s", i ? ", " : "exemplars for luma ", (double)style->luma[i], i == style->layer_count - 1 ? ", " : "");
+  if (style->flags & STY_FLAG_BASE) printf("bases of %g pixels, ", json_number_value(json_object_get(entry, "base")));
+  print_parameters(style);
+  printf(", %s table\n", style->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre");
+}
+
 static void print_bundle(const char *path, const StyLoadedBundle *loaded) {
   const StyTexture *textures = loaded->bundle.textures;
-  const json_t *styles = json_object_get(loaded->index.root, "styles"), *style;
+  const json_t *styles = json_object_get(loaded->index.root, "styles"), *entry;
   size_t i;
   printf("%s: bundle of %zu style(s)\n", clean_text(path), json_array_size(styles));
   for (int t = 0; t < STY_BUNDLE_FILES; t++)
     printf("  %-15s %ux%u, %u layer(s), %zu bytes\n", sty_bundle_files[t], textures[t].width, textures[t].height,
            textures[t].layers, loaded->files[t].size);
-  json_array_foreach(styles, i, style) {
-    StyStyle p;
-    if (sty_get_style(&loaded->bundle, (int)i + 1, &p)) continue;
-    const char *name = json_string_value(json_object_get(style, "name"));
-    printf("  style %zu '%s': threshold %d, top level %d, radius %d, depth tolerance %g, %s table\n", i + 1,
-           clean_text(name ? name : ""), p.threshold, p.top_level, p.radius, (double)p.depth_tolerance,
-           p.flags & STY_FLAG_UNORM8 ? "unorm8" : "centre");
+  json_array_foreach(styles, i, entry) {
+    StyStyle style;
+    if (!sty_get_style(&loaded->bundle, (int)i + 1, &style)) print_style((int)i + 1, entry, &style);
   }
 }
 

@@ -13,12 +13,17 @@ _Static_assert(STY_MAX_LUT_SIDE == STY_MAX_LUT_SIZE, "a bundle holds every squar
 
 static const char *const fit_names[] = {"none", "resize", "pad", NULL};
 
-enum { KEY_FIT = 0x100 };
+enum { KEY_FIT = 0x100, KEY_JITTER_FRAMES, KEY_JITTER_NOISE };
 static const struct argp_option options_table[] = {
     {"fit", KEY_FIT, "HOW", 0,
      "exemplars of differing sizes: none (default) refuses them, resize filters them to the largest width and height, "
      "pad adds what isn't covered at the right and below",
      0},
+    {"jitter-frames", KEY_JITTER_FRAMES, "N", 0,
+     "jitter tables to draw, 1 to 256 (default: 1), which frames take in turn where a style's jitter_period says so",
+     0},
+    {"jitter-noise", KEY_JITTER_NOISE, "white|blue", 0,
+     "how they are drawn: each cell by itself (default), or so that cells that are near get different places", 0},
     {0}};
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -31,6 +36,16 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
       status = require_argument(&arguments->options, arguments->manifest, "the manifest's file name");
       if (!status) status = require_output(&arguments->options);
+      break;
+    case KEY_JITTER_FRAMES: {
+      long long frames = 0;
+      status = sty_parse_integer("--jitter-frames", text, 1, MOST_JITTERS, &frames, &arguments->options.error);
+      arguments->jitter_frames = (int)frames;
+      break;
+    }
+    case KEY_JITTER_NOISE:
+      status = sty_parse_choice("--jitter-noise", text, sty_noise_names, &arguments->jitter_noise,
+                                &arguments->options.error);
       break;
     case KEY_FIT:
       status = sty_parse_choice("--fit", text, fit_names, &arguments->fit, &arguments->options.error);
@@ -143,7 +158,16 @@ static StyStatus read_jitter(const Packing *packing, const char *name, uint8_t *
 
 static int count_jitters(const Packing *packing) {
   const json_t *files = packing->manifest.jitter;
-  return files ? (int)sty_count_manifest_names(files) : 1;
+  return files ? (int)sty_count_manifest_names(files) : packing->arguments->jitter_frames;
+}
+
+static StyStatus draw_jitters(const Packing *packing, int count, uint8_t *tables, StyError *error) {
+  const PackArguments *arguments = packing->arguments;
+  const StyRun run = begin_progress(&arguments->options, "jitter");
+  const StyStatus status =
+      sty_make_jitters((StyNoise)arguments->jitter_noise, arguments->options.seed, count, &run, tables, error);
+  end_progress(&arguments->options);
+  return status;
 }
 
 /* The tables of the manifest, or drawn ones; the caller frees them. */
@@ -152,8 +176,7 @@ static StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *er
   const int count = count_jitters(packing);
   uint8_t *tables = malloc((size_t)count * STY_JITTER_BYTES);
   if (!tables) return sty_fail_memory(error, "jitter", (double)count * STY_JITTER_BYTES);
-  StyStatus status = STY_OK;
-  if (!files) sty_make_jitter(packing->arguments->options.seed, tables);
+  StyStatus status = files ? STY_OK : draw_jitters(packing, count, tables, error);
   for (int i = 0; files && !status && i < count; i++)
     status = read_jitter(packing, sty_get_manifest_name(files, (size_t)i), tables + i * STY_JITTER_BYTES, error);
   if (status)
@@ -163,43 +186,49 @@ static StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *er
   return status;
 }
 
-/* Adds the hash of a file named in the manifest, once. */
-static StyStatus record_input(const Packing *packing, const char *name, json_t *inputs, StyError *error) {
-  char hash[STY_HASH_SIZE];
-  if (!name || json_object_get(inputs, name)) return STY_OK;
-  char *path = find_file(packing, name, error);
-  const StyStatus status = path ? sty_hash_file(path, hash, error) : STY_ERROR_LIBRARY;
-  if (!status) json_object_set_new(inputs, name, json_string(hash));
-  free(path);
-  return status;
+/* Tables are drawn where none are brought. */
+static StyStatus check_jitter(Packing *packing) {
+  static const char *const expected = "a manifest without \"jitter\"";
+  const bool draws = !packing->manifest.jitter;
+  const OptionNeed needs[] = {{"jitter-frames", draws, expected}, {"jitter-noise", draws, expected}};
+  return check_needs(&packing->arguments->options, needs, 2);
 }
 
-static StyStatus record_inputs(const Packing *packing, const json_t *names, json_t *inputs, StyError *error) {
+static StyStatus record_inputs(const Packing *packing, const json_t *names, StyError *error) {
   StyStatus status = STY_OK;
   for (size_t i = 0; !status && i < sty_count_manifest_names(names); i++)
-    status = record_input(packing, sty_get_manifest_name(names, i), inputs, error);
+    status = record_input(packing, sty_get_manifest_name(names, i), error);
   return status;
 }
 
-/* How the bundle came about: the command, and every file that the manifest names. */
-static StyStatus record_history(const Packing *packing, json_t *index, StyError *error) {
+/* How the bundle came about: the command, and every file that the manifest names; what a scene names joins them when it
+ * is read. */
+static StyStatus begin_history(Packing *packing, json_t *index, StyError *error) {
   char hash[STY_HASH_SIZE];
   const StyManifest *manifest = &packing->manifest;
-  json_t *inputs = json_object();
   StyStatus status = sty_hash_file(packing->arguments->manifest, hash, error);
-  if (!status) status = record_inputs(packing, manifest->jitter, inputs, error);
+  if (status) return status;
+  packing->inputs = json_object();
+  json_object_set_new(index, "history",
+                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&packing->arguments->options, "pack"),
+                                "manifest", hash, "inputs", packing->inputs));
+  status = record_inputs(packing, manifest->jitter, error);
   for (int i = 0; !status && i < manifest->style_count; i++) {
     const StyManifestStyle *style = &manifest->styles[i];
     for (int k = 0; !status && k < style->parameters.layer_count; k++)
-      status = record_input(packing, style->exemplars[k], inputs, error);
-    if (!status && strcmp(style->guide, "sphere") != 0) status = record_input(packing, style->guide, inputs, error);
-    if (!status) status = record_input(packing, style->lut_file, inputs, error);
-    if (!status) status = record_inputs(packing, style->lut_frames, inputs, error);
+      status = record_input(packing, style->exemplars[k], error);
+    if (!status && strcmp(style->guide, "sphere") != 0) status = record_input(packing, style->guide, error);
+    if (!status) status = record_input(packing, style->lut_file, error);
+    if (!status) status = record_inputs(packing, style->lut_frames, error);
   }
-  json_object_set_new(index, "history",
-                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&packing->arguments->options, "pack"),
-                                "manifest", hash, "inputs", inputs));
   return status;
+}
+
+static json_t *describe_jitter(const Packing *packing) {
+  if (packing->manifest.jitter) return json_pack("{s:O}", "files", packing->manifest.jitter);
+  return json_pack("{s:i, s:s, s:I}", "tables", packing->arguments->jitter_frames, "noise",
+                   sty_noise_names[packing->arguments->jitter_noise], "seed",
+                   (json_int_t)packing->arguments->options.seed);
 }
 
 /* What the index says of one style, whose `layer` is the first of its own. */
@@ -316,8 +345,8 @@ static StyStatus pack(Packing *packing, StyError *error) {
   uint8_t *jitters = NULL;
   json_t *index = json_object(), *styles = json_array();
   json_object_set_new(index, "styles", styles);
-  json_object_set_new(index, "seed", json_integer((json_int_t)options->seed));
-  StyStatus status = options->no_history ? STY_OK : record_history(packing, index, error);
+  json_object_set_new(index, "jitter", describe_jitter(packing));
+  StyStatus status = options->no_history ? STY_OK : begin_history(packing, index, error);
   if (!status) status = measure_exemplars(packing, error);
   if (!status) status = settle_lut_size(packing, error);
   if (!status) status = get_jitters(packing, &jitters, error);
@@ -339,6 +368,7 @@ static StyStatus run(PackArguments *arguments) {
   packing->arguments = arguments;
   StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
   if (!status) status = check_engines(&packing->manifest, error);
+  if (!status) status = check_jitter(packing);
   if (!status) status = pack(packing, error);
   if (!status) status = print_report(&arguments->options, packing, sty_get_milliseconds() - start, error);
   sty_close_manifest(&packing->manifest);
@@ -347,7 +377,7 @@ static StyStatus run(PackArguments *arguments) {
 }
 
 StyStatus run_pack(int argc, char **argv) {
-  PackArguments arguments = {.manifest = NULL};
+  PackArguments arguments = {.jitter_frames = 1};
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
   if (!status && !arguments.options.helped) status = run(&arguments);
   return finish_command(&arguments.options, status);

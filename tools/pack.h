@@ -6,13 +6,16 @@
 #include "stylut/lut.h"
 #include "stylut/pack.h"
 
+enum { MOST_JITTERS = 256 };
+
 typedef enum Fit { FIT_NONE, FIT_RESIZE, FIT_PAD } Fit;
 
 typedef struct PackArguments {
   Options options;
   const char *manifest;
   int fit;           /* a Fit: what becomes of exemplars of differing sizes */
-  int jitter_frames; /* tables to be drawn */
+  int jitter_frames; /* tables to be drawn, */
+  int jitter_noise;  /* by a StyNoise */
 } PackArguments;
 
 typedef struct Size {
@@ -20,11 +23,12 @@ typedef struct Size {
 } Size;
 
 typedef struct Packing {
-  const PackArguments *arguments;
+  PackArguments *arguments;
   StyManifest manifest;
   Size sizes[STY_MAX_STYLES]; /* of each style's exemplars, as their files have them */
   Size size;                  /* that all have in the bundle */
   int lut_size;
+  json_t *inputs; /* of the history: hashes by names; NULL: none is kept */
 } Packing;
 
 /* One style's source. */
@@ -45,6 +49,9 @@ StyStatus read_bytes(const char *path, uint8_t **bytes, Size *size, StyError *er
 
 /* A file of the manifest; the caller frees it. NULL, with *error, when memory is short. */
 char *find_file(const Packing *packing, const char *name, StyError *error);
+
+/* Adds the hash of a file to the history, once; NULL is none. */
+StyStatus record_input(const Packing *packing, const char *name, StyError *error);
 
 /* Fills lut_size: what sizes, tables and budgets of the styles come down to. STY_CHECK_FAILED where a budget can't be
  * met. */

@@ -13,6 +13,16 @@ char *find_file(const Packing *packing, const char *name, StyError *error) {
   return path;
 }
 
+StyStatus record_input(const Packing *packing, const char *name, StyError *error) {
+  char hash[STY_HASH_SIZE];
+  if (!packing->inputs || !name || json_object_get(packing->inputs, name)) return STY_OK;
+  char *path = find_file(packing, name, error);
+  const StyStatus status = path ? sty_hash_file(path, hash, error) : STY_ERROR_LIBRARY;
+  if (!status) json_object_set_new(packing->inputs, name, json_string(hash));
+  free(path);
+  return status;
+}
+
 static bool is_equal(Size a, Size b) { return a.width == b.width && a.height == b.height; }
 
 /* ---- sizes ---- */
@@ -142,6 +152,20 @@ static StyStatus read_exemplar(const Packing *packing, int style, int lighting, 
 
 static bool is_sphere(const StyManifestStyle *style) { return strcmp(style->guide, "sphere") == 0; }
 
+/* A name as the manifest would have it. */
+static const char *strip_folder(const Packing *packing, const char *path) {
+  const size_t length = strlen(packing->manifest.folder);
+  const bool inside = strncmp(path, packing->manifest.folder, length) == 0 && path[length] == '/';
+  return inside ? path + length + 1 : path;
+}
+
+static StyStatus record_scene(const Packing *packing, const StyScene *scene, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int m = 0; !status && m < scene->mesh_count; m++)
+    status = record_input(packing, strip_folder(packing, scene->meshes[m]->path), error);
+  return status;
+}
+
 static StyStatus trace_scene(const Packing *packing, const char *path, Size size, StyImage **out, StyError *error) {
   const StyMeshOptions mesh_options = {.crease_angle = -1};
   const StyRun run = {.threads = packing->arguments->options.threads};
@@ -153,6 +177,7 @@ static StyStatus trace_scene(const Packing *packing, const char *path, Size size
   if (status) return status;
   status = sty_set_camera(scene, &viewpoint, size.width, size.height, &camera, error);
   if (status) sty_fail(error, status, "%s: %s", path, error->text);
+  if (!status) status = record_scene(packing, scene, error);
   if (!status) status = sty_trace_guide(scene, &camera, &options, &run, NULL, out, error);
   sty_destroy_scene(&scene);
   return status;

@@ -8,6 +8,7 @@
 #include "options.h"
 #include "passes.h"
 #include "sequence.h"
+#include "settings.h"
 #include "stylize_frame.h"
 #include "stylize_measure.h"
 #include "stylut/image_io.h"
@@ -20,6 +21,7 @@ typedef struct Arguments {
   bool skip_missing, force;
   double fps, flicker;
   AnchorOptions anchors;
+  Settings settings;
 } Arguments;
 
 enum {
@@ -37,7 +39,8 @@ enum {
   KEY_FORCE,
   KEY_FPS,
   KEY_FLICKER,
-  KEY_MEASURE
+  KEY_MEASURE,
+  KEY_SET
 };
 
 static const char *const method_names[] = {"styleblit", "lit-sphere", "brute", NULL};
@@ -74,6 +77,8 @@ static const struct argp_option options_table[] = {
     {"skip-missing", KEY_SKIP_MISSING, NULL, 0, "go on where a frame of the sequence is missing", UNRECORDED},
     {"force", KEY_FORCE, NULL, 0, "draw frames anew that are there, made by this command of these inputs", UNRECORDED},
     {"flicker", KEY_FLICKER, "D", 0, "drawings a second: so often pieces are laid anew (default: as the bundle says)",
+     0},
+    {"set", KEY_SET, "[STYLE.]KEY=VALUE", 0, "a parameter in place of the bundle's (as of 'params'); may be repeated",
      0},
     {"fps", KEY_FPS, "F", 0, "frames a second, for --flicker (default: 24)", 0},
     {"measure", KEY_MEASURE, "FILE.json", 0,
@@ -170,6 +175,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_FRAMES: arguments->range = text; break;
     case KEY_SKIP_MISSING: arguments->skip_missing = true; break;
     case KEY_FORCE: arguments->force = true; break;
+    case KEY_SET: status = take_setting(&arguments->options, &arguments->settings, text); break;
     case KEY_MEASURE: arguments->measure = text; break;
     case KEY_BITS: status = parse_bits(&arguments->options, text, &arguments->bits); break;
     case KEY_FPS:
@@ -345,36 +351,25 @@ static StyStatus print_report(const Arguments *arguments, const Sequence *sequen
 }
 
 static StyStatus write_measures(const Arguments *arguments, const Measures *measures, StyError *error) {
-  StyOutput output;
-  StyStatus status = sty_open_output(arguments->measure, &output, error);
-  if (status) return status;
   json_t *report = pack_measures(measures);
-  json_dumpf(report, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-  fputc('\n', output.stream);
+  const StyStatus status = sty_write_json(arguments->measure, report, error);
   json_decref(report);
-  return sty_commit_output(&output, error);
+  return status;
 }
 
 /* ---- the command ------------------------------------------------------------------ */
 
-/* The bundle with other jitter periods: a copy of its parameters, which the caller frees. */
-static StyStatus set_flicker(const Arguments *arguments, StyBundle *bundle, unsigned char **out, StyError *error) {
-  StyTexture *params = &bundle->textures[STY_BUNDLE_PARAMS];
-  const size_t size = (size_t)params->width * params->height * params->texel_size;
-  *out = NULL;
-  if (arguments->flicker <= 0) return STY_OK;
-  if (bundle->textures[STY_BUNDLE_JITTER].layers == 1)
+/* What was asked for in place of the bundle's parameters. */
+static StyStatus set_parameters(const Arguments *arguments, StyLoadedBundle *loaded, StyError *error) {
+  char period[64];
+  StyStatus status = STY_OK;
+  snprintf(period, sizeof period, "jitter_period=%.0f", arguments->fps / arguments->flicker);
+  if (arguments->flicker > 0) status = sty_set_bundle_parameter("option '--flicker'", period, loaded, error);
+  if (!status) status = apply_settings(&arguments->settings, loaded, error);
+  if (!status && arguments->flicker > 0 && loaded->bundle.textures[STY_BUNDLE_JITTER].layers == 1)
     warn(&arguments->options, "%s: found one jitter table, expected several (pack --jitter-frames) for --flicker",
          clean_text(arguments->bundle));
-  unsigned char *texels = malloc(size);
-  if (!texels) return sty_fail_memory(error, "parameters", (double)size);
-  memcpy(texels, params->texels, size);
-  const float period = (float)(arguments->fps / arguments->flicker);
-  for (uint32_t style = 0; style < params->width; style++)
-    memcpy(texels + ((size_t)3 * params->width + style) * params->texel_size + sizeof period, &period, sizeof period);
-  params->texels = texels;
-  *out = texels;
-  return STY_OK;
+  return status;
 }
 
 static StyStatus stylize(const Arguments *arguments, const Request *request, const Sequence *sequence, Account *account,
@@ -408,7 +403,6 @@ static StyStatus run(Arguments *arguments) {
   StyLoadedBundle loaded;
   Sequence sequence = {.numbers = NULL};
   StyPivotFile pivots;
-  unsigned char *params = NULL;
   Account account = {0};
   const double start = sty_get_milliseconds();
   StyStatus status = list_frames(arguments->guide, arguments->range, arguments->skip_missing, &sequence, error);
@@ -418,11 +412,10 @@ static StyStatus run(Arguments *arguments) {
     free(sequence.numbers);
     return status;
   }
-  StyBundle bundle = loaded.bundle;
   const Request request = {.options = &arguments->options,
                            .bundle_path = arguments->bundle,
                            .loaded = &loaded,
-                           .bundle = &bundle,
+                           .bundle = &loaded.bundle,
                            .style = arguments->style,
                            .method = arguments->method,
                            .resolution = arguments->resolution,
@@ -433,14 +426,13 @@ static StyStatus run(Arguments *arguments) {
   status = open_pivots(&arguments->anchors, &pivots, error);
   account.times[0] = sty_get_milliseconds() - start;
   if (!status) {
-    status = set_flicker(arguments, &bundle, &params, error);
+    status = set_parameters(arguments, &loaded, error);
     if (!status && arguments->options.dry_run)
       status = plan(arguments, &request, &sequence, error);
     else if (!status)
       status = stylize(arguments, &request, &sequence, &account, error);
     sty_free_pivot_file(&pivots);
   }
-  free(params);
   free(sequence.numbers);
   sty_unload_bundle(&loaded);
   return status;

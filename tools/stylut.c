@@ -25,6 +25,8 @@ static const Command commands[] = {
     {"report", "show the audit of a table as a page with maps and charts", run_report},
     {"chart", "draw speed against accuracy over engines, sizes, maps and encodings", run_chart},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
+    {"params", "print a bundle's parameters, and change them in place", run_params},
+    {"unpack", "take a bundle apart into pictures and a manifest", run_unpack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},
     {"toon", "shade a frame's guide in steps of light", run_toon},
     {"outline", "draw the lines around and inside what a frame's guide shows", run_outline},

@@ -24,6 +24,10 @@ typedef struct StyDocument {
 StyStatus sty_read_document(const char *path, StyDocument *out, StyError *error);
 void sty_close_document(StyDocument *document);
 
+/* Writes indented JSON with a newline behind it; reals have nine digits. The file appears whole or not at all.
+ * STY_ERROR_FILE, STY_ERROR_LIBRARY. */
+StyStatus sty_write_json(const char *path, const json_t *value, StyError *error);
+
 /* A place inside a document: the way to a value from the root. */
 typedef struct StyPath {
   const struct StyPath *parent; /* NULL for the root's own path */

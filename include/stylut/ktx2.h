@@ -13,8 +13,9 @@ extern "C" {
 
 typedef struct StyKtx2 {
   StyOutput output;
+  uint64_t offset;     /* of the first layer, bytes */
   uint64_t layer_size; /* bytes of one layer */
-  int layers, written;
+  int width, height, layers, written;
 } StyKtx2;
 
 /* Begins a 2D array of `layers` layers in one of the formats STY_VK_*, with

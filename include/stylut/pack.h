@@ -100,6 +100,14 @@ void sty_close_manifest(StyManifest *manifest);
 #define STY_JITTER_BYTES (2 * STY_JITTER_SIZE * STY_JITTER_SIZE)
 void sty_make_jitter(uint64_t seed, uint8_t *out);
 
+/* `count` tables, one behind the other, that have nothing in common. White: as above, the first of this very seed.
+ * Blue: each of a table's two channels ranks all cells so that the first of them, however many, are spread evenly (void
+ * and cluster, Ulichney 1993): near cells differ in what they get, and all bytes are equally frequent. A second or so a
+ * table. STY_ERROR_LIBRARY: memory. */
+typedef enum StyNoise { STY_NOISE_WHITE, STY_NOISE_BLUE } StyNoise;
+extern const char *const sty_noise_names[]; /* NULL behind the last */
+StyStatus sty_make_jitters(StyNoise noise, uint64_t seed, int count, const StyRun *run, uint8_t *out, StyError *error);
+
 /* The low frequencies of an exemplar (thesis 000, 2.2.3): a Gaussian of `sigma` pixels over the RGBA bytes, as they are
  * encoded. What counts is what the guide (channel A) covers, by the exemplar's alpha, so that no background bleeds in;
  * alpha stays. The caller frees *out. STY_ERROR_LIBRARY: memory. */
@@ -126,10 +134,10 @@ StyStatus sty_open_bundle_writer(const char *path, const StyBundleShape *shape, 
 StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *const *exemplars, const uint8_t *guide,
                           const uint16_t *lut, const StyStyle *parameters, StyError *error);
 
-/* Writes parameters, the jitter tables (see sty_make_jitter) and bundle.json, checks
+/* Writes parameters, the jitter tables (see sty_make_jitters), import settings and bundle.json, checks
  * everything as a reader would, and puts the bundle in its place. `index`, an
  * object that says what went in, is borrowed and completed with "schema",
- * "version", "files" and "sha256", the hash of the rest in compact form with
+ * "version", "files", "import_settings" and "sha256", the hash of the rest in compact form with
  * sorted keys. *writer is spent. */
 StyStatus sty_commit_bundle(StyBundleWriter **writer, const uint8_t *jitter, json_t *index, StyError *error);
 void sty_discard_bundle(StyBundleWriter **writer);
@@ -138,6 +146,11 @@ void sty_discard_bundle(StyBundleWriter **writer);
 extern const char *const sty_bundle_files[STY_BUNDLE_FILES];
 #define STY_BUNDLE_INDEX "bundle.json"
 #define STY_BUNDLE_SCHEMA "stylut-bundle-index/1"
+
+/* Beside them a file for engines: how to import each texture (JSON, "stylut-import-settings/1"), which the index lists
+ * under STY_IMPORT_KEY. */
+#define STY_IMPORT_SETTINGS "import-settings.json"
+#define STY_IMPORT_KEY "import_settings"
 
 /* ---- reading ------------------------------------------------------------------ */
 
@@ -164,7 +177,8 @@ typedef struct StyFinding {
 typedef struct StyLoadedBundle {
   StyDocument index;
   StyMapping files[STY_BUNDLE_FILES];
-  StyBundle bundle; /* points into the mappings */
+  StyBundle bundle;          /* points into the mappings, and to: */
+  unsigned char *parameters; /* those that were put; NULL: none */
 } StyLoadedBundle;
 
 /* Maps a bundle and verifies it: lengths and hashes against the index, headers,
@@ -178,6 +192,19 @@ void sty_unload_bundle(StyLoadedBundle *bundle);
 /* The number (1 and up) of a style given as a number or by its name.
  * STY_ERROR_USAGE; `what` names the option. */
 StyStatus sty_find_style(const char *what, const char *text, const StyLoadedBundle *bundle, int *out, StyError *error);
+
+/* ---- changing parameters ------------------------------------------------------ */
+
+/* Gives style `number` (1 and up) of a loaded bundle these parameters, in memory: bundle and index. What follows from
+ * its textures (layers, flags but STY_FLAG_OBJECTS) must be as it was. STY_ERROR_LIBRARY: memory. */
+StyStatus sty_put_style(StyLoadedBundle *bundle, int number, const StyStyle *style, StyError *error);
+
+/* "KEY=VALUE" for all styles, "STYLE.KEY=VALUE" for the one of that name or number; in memory. STY_ERROR_USAGE; `what`
+ * names the option. */
+StyStatus sty_set_bundle_parameter(const char *what, const char *text, StyLoadedBundle *bundle, StyError *error);
+
+/* Puts the parameters and the index into the bundle's folder `path` in one step; all other files stay as they are. */
+StyStatus sty_save_parameters(const char *path, const StyLoadedBundle *bundle, StyError *error);
 
 #ifdef __cplusplus
 }

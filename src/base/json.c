@@ -289,3 +289,15 @@ StyStatus sty_get_choice(const StyDocument *document, const StyPath *path, const
   }
   return sty_fail_value(document, &(StyPath){path, key, 0}, value, expected, error);
 }
+
+StyStatus sty_write_json(const char *path, const json_t *value, StyError *error) {
+  StyOutput output;
+  const StyStatus status = sty_open_output(path, &output, error);
+  if (status) return status;
+  if (json_dumpf(value, output.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) != 0) {
+    sty_discard_output(&output);
+    return sty_fail_memory(error, path, 0);
+  }
+  fputc('\n', output.stream);
+  return sty_commit_output(&output, error);
+}

@@ -121,12 +121,13 @@ StyStatus sty_open_ktx2(const char *path, uint32_t format_number, int width, int
   if (texels > (uint64_t)INT64_MAX / texel / (uint64_t)layers)
     return sty_fail(error, STY_ERROR_USAGE, "%s: found %dx%d texels and %d layers, expected fewer than 2^63 bytes",
                     path, width, height, layers);
-  StyKtx2 texture = {.layers = layers, .layer_size = texels * texel};
+  StyKtx2 texture = {.width = width, .height = height, .layers = layers, .layer_size = texels * texel};
   const StyStatus status = sty_open_output(path, &texture.output, error);
   if (status) return status;
   Head head = {{0}, 0};
   put_head(&head, format, width, height, layers, texture.layer_size * (uint64_t)layers);
   fwrite(head.bytes, 1, head.size, texture.output.stream);
+  texture.offset = head.size;
   *out = texture;
   return STY_OK;
 }

@@ -73,18 +73,29 @@ static void check_seal(Report *report, const StyDocument *index) {
                 "found contents whose SHA-256 isn't the one they give: the index was changed");
 }
 
-/* Length and hash of a texture, as the index has them. */
-static void compare_with_index(Report *report, const StyDocument *index, int which, const char *path, uint64_t size) {
-  const char *name = sty_bundle_files[which];
-  const json_t *entry = json_array_get(json_object_get(index->root, "files"), (size_t)which);
-  const char *listed = json_string_value(json_object_get(entry, "name"));
-  const char *wanted_hash = json_string_value(json_object_get(entry, "sha256"));
-  const json_int_t wanted_size = json_integer_value(json_object_get(entry, "bytes"));
+/* A file's entry in the index, which is called `place`. */
+typedef struct Listed {
+  const json_t *entry;
+  const char *name;
+  char place[32];
+} Listed;
+
+static Listed get_texture_entry(const StyDocument *index, int which) {
+  Listed listed = {json_array_get(json_object_get(index->root, "files"), (size_t)which), sty_bundle_files[which], ""};
+  snprintf(listed.place, sizeof listed.place, "files[%d]", which);
+  return listed;
+}
+
+/* Length and hash of a file, as the index has them. */
+static void compare_with_index(Report *report, const Listed *listed, const char *path, uint64_t size) {
+  const char *name = json_string_value(json_object_get(listed->entry, "name"));
+  const char *wanted_hash = json_string_value(json_object_get(listed->entry, "sha256"));
+  const json_int_t wanted_size = json_integer_value(json_object_get(listed->entry, "bytes"));
   char hash[STY_HASH_SIZE];
   StyError cause;
-  if (!listed || strcmp(listed, name) != 0 || !wanted_hash)
+  if (!name || strcmp(name, listed->name) != 0 || !wanted_hash)
     add_finding(report, STY_FINDING_INDEX, STY_BUNDLE_INDEX,
-                "found no entry with name and sha256 for %s at files[%d], expected one", name, which);
+                "found no entry with name and sha256 for %s at %s, expected one", listed->name, listed->place);
   else if ((json_int_t)size != wanted_size)
     add_finding(report, STY_FINDING_SIZE, name, "found %llu bytes, expected %lld by the index",
                 (unsigned long long)size, (long long)wanted_size);
@@ -95,13 +106,27 @@ static void compare_with_index(Report *report, const StyDocument *index, int whi
                 "found SHA-256 %.16s..., expected %.16s... by the index: the file was changed", hash, wanted_hash);
 }
 
+/* The file that nothing here reads, but engines do. */
+static void check_settings(Report *report, const StyDocument *index) {
+  const Listed listed = {json_object_get(index->root, STY_IMPORT_KEY), STY_IMPORT_SETTINGS, STY_IMPORT_KEY};
+  char *path = sty_join_path(report->path, STY_IMPORT_SETTINGS);
+  uint64_t size = 0;
+  StyError cause;
+  if ((path ? sty_check_file(path, &size, &cause) : sty_fail_memory(&cause, report->path, 0)) == STY_OK)
+    compare_with_index(report, &listed, path, size);
+  else
+    add_finding(report, STY_FINDING_MISSING, STY_IMPORT_SETTINGS, "%s", without_path(cause.text, path ? path : ""));
+  free(path);
+}
+
 static bool map_file(Report *report, StyLoadedBundle *bundle, int which) {
   char *path = sty_join_path(report->path, sty_bundle_files[which]);
   uint64_t size = 0;
   StyError cause;
   StyStatus status = path ? sty_check_file(path, &size, &cause) : sty_fail_memory(&cause, report->path, 0);
   if (!status) {
-    compare_with_index(report, &bundle->index, which, path, size);
+    const Listed listed = get_texture_entry(&bundle->index, which);
+    compare_with_index(report, &listed, path, size);
     status = sty_map_file(path, &bundle->files[which], &cause);
   }
   if (status)
@@ -157,6 +182,7 @@ StyStatus sty_load_bundle(const char *path, void (*send)(void *context, const St
   memset(&bundle, 0, sizeof bundle);
   const bool has_index = read_index(&report, &bundle.index);
   if (has_index) check_seal(&report, &bundle.index);
+  if (has_index) check_settings(&report, &bundle.index);
   if (has_index && map_files(&report, &bundle) && open_view(&report, &bundle)) {
     const size_t listed = json_array_size(json_object_get(bundle.index.root, "styles"));
     const uint32_t styles = bundle.bundle.textures[STY_BUNDLE_PARAMS].width;
@@ -177,6 +203,8 @@ StyStatus sty_load_bundle(const char *path, void (*send)(void *context, const St
 void sty_unload_bundle(StyLoadedBundle *bundle) {
   for (int i = 0; i < STY_BUNDLE_FILES; i++) sty_unmap_file(&bundle->files[i]);
   sty_close_document(&bundle->index);
+  free(bundle->parameters);
+  bundle->parameters = NULL;
 }
 
 StyStatus sty_find_style(const char *what, const char *text, const StyLoadedBundle *bundle, int *out, StyError *error) {

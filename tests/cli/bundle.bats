@@ -36,16 +36,16 @@ same_bundles() {
   write_styles 'oil oil128.png' >one.json
   accept pack one.json -o bundle --format json
   expect report "$(json - '[r.schema, r.bundle, r.styles].join()' <<<"$output")" stylut-pack/1,bundle,1
-  expect files "$(ls bundle | tr '\n' ' ')" 'bundle.json exemplars.ktx2 guides.ktx2 jitter.ktx2 luts.ktx2 params.ktx2 '
+  expect files "$(ls bundle | tr '\n' ' ')" 'bundle.json exemplars.ktx2 guides.ktx2 import-settings.json jitter.ktx2 luts.ktx2 params.ktx2 '
   accept validate bundle
   expect validate "$output" 'bundle: valid, 1 style(s)'
   accept validate bundle --format json
   expect validate "$(json - '[r.schema, r.valid, r.findings.length].join()' <<<"$output")" stylut-validate/1,true,0
   accept info bundle
   expect_holds info "$output" 'exemplars.ktx2  128x128, 1 layer(s)'
-  expect_holds info "$output" "style 1 'oil': threshold 24, top level 6, radius 1, depth tolerance 0, unorm8 table"
+  expect_holds info "$output" "style 1 'oil': threshold 24, top_level 6, radius 1, depth_tolerance 0, luma_weight 0, colour_weight 0, jitter_amount 1, jitter_period 0, scale 1, objects false, scatter 0, unorm8 table"
   accept info bundle --format json
-  expect index "$(json - '[r.schema, r.styles.length, r.styles[0].name, r.styles[0].size, r.styles[0].lut.size, r.styles[0].lut.sampling, r.seed].join()' <<<"$output")" \
+  expect index "$(json - '[r.schema, r.styles.length, r.styles[0].name, r.styles[0].size, r.styles[0].lut.size, r.styles[0].lut.sampling, r.jitter.seed].join()' <<<"$output")" \
     stylut-bundle-index/1,1,oil,128,128,256,unorm8,0
   expect 'hash of the exemplar' "$(json - 'r.history.inputs["oil128.png"]' <<<"$output")" "$(sha256sum oil128.png | cut -d' ' -f1)"
   local file
@@ -156,7 +156,7 @@ last_bytes() { tail -c "$2" "$1" | od -An -v -tu1 -w2 | sed 's/^ *//; s/  */ /g'
   accept pack plain.json --seed 12345 -o other
   expect_other zero/jitter.ktx2 other/jitter.ktx2
   for file in exemplars guides luts params; do expect_same zero/$file.ktx2 other/$file.ktx2; done
-  expect seed "$(json other/bundle.json r.seed)" 12345
+  expect seed "$(json other/bundle.json r.jitter.seed)" 12345
   expect 'bytes of 255' "$(last_bytes zero/jitter.ktx2 131072 | tr ' ' '\n' | grep -cx 255)" 0
   accept pack jitter.json --seed 9 -o seeded
   expect_same own/jitter.ktx2 seeded/jitter.ktx2

@@ -144,7 +144,7 @@ static void test_round_trip(void **state) {
     const char *path = path_in(scratch, "bundle");
     write_bundle(path, styles, 5);
     assert_int_equal(count_entries(scratch->folder), 1);
-    assert_int_equal(count_entries(path), STY_BUNDLE_FILES + 1);
+    assert_int_equal(count_entries(path), STY_BUNDLE_FILES + 2);
 
     StyLoadedBundle loaded = {0};
     StyError error = {STY_OK, ""};
