@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "anchors.h"
 #include "commands.h"
 #include "frames.h"
 #include "inputs.h"
@@ -24,6 +25,7 @@ typedef struct Arguments {
   bool lit;
   double light[2]; /* azimuth, elevation, degrees */
   int orient;
+  AnchorOptions anchors;
 } Arguments;
 
 enum {
@@ -37,6 +39,8 @@ enum {
   KEY_ORIENT,
   KEY_CELL,
   KEY_JITTER,
+  KEY_ANCHOR,
+  KEY_PIVOTS,
   KEY_BITS
 };
 enum { FLAT, CELLS };
@@ -61,6 +65,11 @@ static const struct argp_option options_table[] = {
      "pattern as it lies, or in cells that are turned the way the surface bends (default: cells)", 0},
     {"cell", KEY_CELL, "SIZE", 0, "size of cells: 4, 8, 16 ... 256 pixels (default: 32)", 0},
     {"jitter", KEY_JITTER, "AMOUNT", 0, "how uneven cells are, 0 to 1 (default: 1)", 0},
+    {"anchor", KEY_ANCHOR, "screen|object", 0,
+     "what cells ride on: the screen, or each object's pivot, so that one that moves takes them along (default: "
+     "screen)",
+     0},
+    {"pivots", KEY_PIVOTS, "FILE.json", 0, "objects' pivots in pixels (default: as the guide's metadata say)", 0},
     {"bits", KEY_BITS, "8|16", 0, "precision of the picture (default: 8)", 0},
     {0},
 };
@@ -136,19 +145,19 @@ static StyStatus check_cell(Arguments *arguments) {
 static StyStatus check_arguments(Arguments *arguments) {
   Options *options = &arguments->options;
   StyStatus status = require_frame(options, arguments->guide);
-  const char *const inputs[] = {arguments->guide, arguments->texture};
-  if (!status) status = protect_inputs(options, options->output, inputs, 2);
+  const char *const inputs[] = {arguments->guide, arguments->texture, arguments->anchors.pivots};
+  if (!status) status = protect_inputs(options, options->output, inputs, 3);
   if (!status && arguments->colour_count && arguments->colour_count != arguments->band_count)
     status = sty_fail(&options->error, STY_ERROR_USAGE, "--colours: found %d, expected %d: one per band",
                       arguments->colour_count, arguments->band_count);
   if (!status) status = check_cell(arguments);
   const bool turned = arguments->texture && arguments->orient == CELLS;
-  const OptionNeed needs[] = {{"strength", arguments->texture, "--texture"},
-                              {"orient", arguments->texture, "--texture"},
-                              {"seed", arguments->texture, "--texture"},
-                              {"cell", turned, "--texture and --orient cells"},
-                              {"jitter", turned, "--texture and --orient cells"}};
-  return status ? status : check_needs(options, needs, sizeof needs / sizeof *needs);
+  const OptionNeed needs[] = {
+      {"strength", arguments->texture, "--texture"},      {"orient", arguments->texture, "--texture"},
+      {"seed", arguments->texture, "--texture"},          {"cell", turned, "--texture and --orient cells"},
+      {"jitter", turned, "--texture and --orient cells"}, {"anchor", turned, "--texture and --orient cells"}};
+  if (!status) status = check_needs(options, needs, sizeof needs / sizeof *needs);
+  return status ? status : check_anchors(options, &arguments->anchors);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
@@ -171,6 +180,10 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case KEY_BITS: status = parse_bits(&arguments->options, text, &arguments->bits); break;
     case KEY_COLOURS:
       status = parse_list(arguments, "--colours", text, STY_MAX_BANDS, take_colour, &arguments->colour_count);
+      break;
+    case KEY_PIVOTS: arguments->anchors.pivots = text; break;
+    case KEY_ANCHOR:
+      status = sty_parse_choice("--anchor", text, anchor_kinds, &arguments->anchors.kind, &arguments->options.error);
       break;
     case KEY_ORIENT:
       status = sty_parse_choice("--orient", text, orients, &arguments->orient, &arguments->options.error);
@@ -240,6 +253,7 @@ static void take_out_albedo(StyImage *guide) {
 /* A frame and what it is shaded with. */
 typedef struct Work {
   FilledFrame filled;
+  Anchors anchors;
   StyToon toon;
   uint8_t jitter[2 * STY_JITTER_SIZE * STY_JITTER_SIZE];
   int bits;
@@ -248,8 +262,21 @@ typedef struct Work {
 
 static void destroy_work(Work *work) {
   free_frame(&work->filled);
+  free(work->anchors.places);
   free((void *)work->toon.pattern.texels);
   free(work->picture);
+}
+
+static StyStatus anchor_frame(const AnchorOptions *options, const char *path, const StyImage *guide, Work *work,
+                              StyError *error) {
+  StyPivotFile pivots;
+  StyStatus status = open_pivots(options, &pivots, error);
+  if (status) return status;
+  status = place_anchors(options, &pivots, path, guide, 0, 1, &work->anchors, error);
+  sty_free_pivot_file(&pivots);
+  work->filled.frame.anchors = work->anchors.places;
+  work->filled.frame.anchor_count = work->anchors.count;
+  return status;
 }
 
 static StyStatus load_frame(const Arguments *arguments, Work *work, StyError *error) {
@@ -261,6 +288,7 @@ static StyStatus load_frame(const Arguments *arguments, Work *work, StyError *er
     take_out_albedo(guide);
     status = fill_frame(guide, 1, &work->filled, error);
   }
+  if (!status) status = anchor_frame(&arguments->anchors, arguments->guide, guide, work, error);
   if (!status && (arguments->lit || !has_shades(&work->filled)))
     status = light_frame(arguments->light, guide, &work->filled, error);
   if (!status && !(work->picture = malloc(sty_count_pixels(guide) * (size_t)work->bits / 2)))
@@ -308,8 +336,10 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   const StyRun run = begin_progress(options, "toon");
   StyStatus status = pass_rects(frame->width, frame->height, shade_rect, work, &run, error);
   end_progress(options);
-  const char *const inputs[] = {arguments->guide, arguments->texture};
-  const int input_count = arguments->texture && !is_own_pattern(arguments->texture) ? 2 : 1;
+  const char *inputs[3] = {arguments->guide};
+  int input_count = 1;
+  if (arguments->texture && !is_own_pattern(arguments->texture)) inputs[input_count++] = arguments->texture;
+  if (arguments->anchors.pivots) inputs[input_count++] = arguments->anchors.pivots;
   if (!status)
     status = write_picture(options, "toon", frame->width, frame->height, work->bits, work->picture, inputs, input_count,
                            error);

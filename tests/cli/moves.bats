@@ -93,6 +93,28 @@ expect_moved() {
   expect_moved behind 1 # blending mixes colours across the border
 }
 
+@test "toon's cells ride along as well" {
+  bring '*'
+  local name
+  for name in start moved; do
+    accept toon --guide $name.exr --texture hatch --cell 16 --anchor object -o $name.toon.png
+    accept toon --guide $name.exr --texture hatch --cell 16 -o $name.still.png
+  done
+  list start start.toon.png R,G,B,A 0 0 >start.txt
+  list moved moved.toon.png R,G,B,A 5 -3 >moved.txt
+  expect_less 'pixels compared' 2500 "$(wc -l <moved.txt)"
+  expect 'pixels that differ' "$(count_others start.txt moved.txt)" 0
+  list start start.still.png R,G,B,A 0 0 >start.txt
+  list moved moved.still.png R,G,B,A 5 -3 >moved.txt
+  expect_less 'pixels that differ on the screen' 100 "$(count_others start.txt moved.txt)"
+  printf '{ "schema": "stylut-pivots/1", "pivots": { "1": [104, 64], "2": [200, 60], "3": [8, 120], "4": [248, 8] } }' >own.json
+  accept toon --guide start.exr --texture hatch --cell 16 --anchor object --pivots own.json --no-history -o json.png
+  accept toon --guide start.exr --texture hatch --cell 16 --anchor object --no-history -o own.png
+  expect_same json.png own.png
+  refuse 1 --anchor toon --guide start.exr --anchor object -o out.png
+  refuse 1 --pivots toon --guide start.exr --texture hatch --pivots own.json -o out.png
+}
+
 @test "on the screen it swims" {
   bring '*'
   local name

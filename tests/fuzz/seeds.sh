@@ -9,7 +9,7 @@ corpus=$(cd "$(dirname "$0")" && pwd)/corpus
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture,ply,scene}
+mkdir -p "$corpus"/{bundle,index,lut,manifest,pairs,picture,pivots,ply,scene}
 rm -f "$corpus"/*/seed-*
 
 # number BYTES VALUE: little-endian
@@ -38,7 +38,20 @@ cat >seed-long.json <<'END'
               { "name": "third", "exemplar": "sphere.png", "lut": "table.exr" } ],
   "jitter": "jitter.png" }
 END
+cat >seed-all.json <<'END'
+{ "schema": "stylut-bundle/1",
+  "styles": [ { "name": "lit", "base": 2.5, "guide": "scene.json",
+                "exemplars": [ { "image": "a.png", "luma": 0.2 }, { "image": "b.png", "luma": 1 } ],
+                "lut": { "budget": { "mean": 1, "p99": 2.5, "max": 30 }, "engine": "brute" },
+                "params": { "threshold": 24, "top_level": 6, "radius": 1, "depth_tolerance": 0, "luma_weight": 0.25,
+                            "colour_weight": 0.5, "jitter_amount": 1, "jitter_period": 2, "scale": 0.5,
+                            "objects": true, "scatter": 6 } },
+              { "name": "served", "exemplar": "a.png",
+                "lut": { "resolve": "both", "frames": [ "f.exr", "g.exr" ], "slack": 1.5 } } ],
+  "jitter": [ "one.png", "two.png" ] }
+END
 cp seed-*.json "$corpus/manifest"
+rm seed-all.json
 "$stylut" lut -q sphere.exr -s 8 -o table.exr
 sed -i '/"jitter"/d; s/ } \],$/ } ] }/' seed-long.json
 for name in short long; do
@@ -55,6 +68,15 @@ cat >"$corpus/pairs/seed-long.json" <<'END'
   "pairs": [ { "from": [0, 0], "to": [0.1, 0.2] }, { "to": [1e-1, 1], "from": [0, 1] },
              { "from": [1, 0], "to": [0.9, 0.1] }, { "from": [0.5, 0.5], "to": [0.4, 6e-1] } ] }
 END
+
+# Pivots: of every frame, of each, and as guides have them.
+cat >"$corpus/pivots/seed-all.json" <<'END'
+{ "schema": "stylut-pivots/1", "pivots": { "1": [512.25, -300.5], "2": [1e3, 40] } }
+END
+cat >"$corpus/pivots/seed-each.json" <<'END'
+{ "schema": "stylut-pivots/1", "frames": { "1": { "1": [512.25, 300.5] }, "20": { "1": [513.5, 300.5], "3": [0, 0] } } }
+END
+printf '1 512.25 300.5; 2 17 -40.125' >"$corpus/pivots/seed-attribute.txt"
 
 # Scenes, beside the mesh and the texture that fuzz_scene.c puts there.
 cat >"$corpus/scene/seed-short.json" <<'END'
