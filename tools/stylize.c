@@ -16,7 +16,8 @@
 
 typedef struct Arguments {
   Options options;
-  const char *bundle, *guide, *style, *nnf, *chunks, *range, *measure;
+  const char *bundle, *guide, *style, *range, *measure;
+  const char *outputs[OUTPUTS]; /* the first is options.output */
   int bits, method, resolution;
   bool skip_missing, force;
   double fps, flicker;
@@ -29,6 +30,7 @@ enum {
   KEY_STYLE,
   KEY_NNF,
   KEY_CHUNKS,
+  KEY_FLAT,
   KEY_BITS,
   KEY_METHOD,
   KEY_RESOLUTION,
@@ -57,6 +59,8 @@ static const struct argp_option options_table[] = {
     {"nnf", KEY_NNF, "FILE.png", 0,
      "write the nearest-neighbour field: 16 bit, R = source x, G = source y, A = covered", UNRECORDED},
     {"chunks", KEY_CHUNKS, "FILE.png", 0, "write the chunks: one colour for each piece copied as a whole", UNRECORDED},
+    {"flat", KEY_FLAT, "FILE.png", 0,
+     "write where the guide is flat: white where 64x64 pixels face one way, so that a patch may repeat", UNRECORDED},
     {"method", KEY_METHOD, "NAME", 0,
      "styleblit (default), lit-sphere (each pixel for itself, as a matcap) or brute (StyleBlit as first stated, for "
      "small "
@@ -87,28 +91,30 @@ static const struct argp_option options_table[] = {
     {0},
 };
 
+static const char *const output_options[OUTPUTS] = {"--output", "--nnf", "--chunks", "--flat"};
+
 /* A picture's name must end in .png and be no other output's. */
 static StyStatus check_picture(const char *option, const char *path, const char *const *others, StyError *error) {
   StyImageFormat format;
   if (sty_get_image_format(path, &format, NULL) || format != STY_IMAGE_PNG)
     return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected a name that ends in .png", option, path);
-  for (int i = 0; i < 3; i++)
+  for (int i = 0; i < OUTPUTS; i++)
     if (others[i] && others[i] != path && strcmp(others[i], path) == 0)
       return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s' twice, expected a name of its own", option,
                       path);
   return STY_OK;
 }
 
-static StyStatus check_patterns(Arguments *arguments, const char *const paths[3]) {
-  static const char *const options[] = {"--output", "--nnf", "--chunks"};
+static StyStatus check_patterns(Arguments *arguments) {
+  const char *const *paths = arguments->outputs;
   StyError *error = &arguments->options.error;
   bool is_sequence, is_pattern;
   StyStatus status = find_pattern("--guide", arguments->guide, &is_sequence, error);
-  for (int i = 0; !status && i < 3; i++) {
+  for (int i = 0; !status && i < OUTPUTS; i++) {
     if (!paths[i]) continue;
-    status = find_pattern(options[i], paths[i], &is_pattern, error);
+    status = find_pattern(output_options[i], paths[i], &is_pattern, error);
     if (!status && is_pattern != is_sequence)
-      status = sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected %s", options[i], paths[i],
+      status = sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected %s", output_options[i], paths[i],
                         is_sequence ? "%d or %0Nd for the frame's number, as in --guide's name"
                                     : "no place for a number, since --guide's name has none");
   }
@@ -139,17 +145,17 @@ static StyStatus check_arguments(Arguments *arguments) {
     status = sty_fail(error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
   if (!status) status = require_output(&arguments->options);
   if (status) return status;
-  static const char *const options[] = {"--output", "--nnf", "--chunks"};
-  const char *const paths[] = {arguments->options.output, arguments->nnf, arguments->chunks};
-  for (int i = 0; !status && i < 3; i++)
-    if (paths[i]) status = check_picture(options[i], paths[i], paths, error);
+  const char *const *paths = arguments->outputs;
+  arguments->outputs[OUTPUT_PICTURE] = arguments->options.output;
+  for (int i = 0; !status && i < OUTPUTS; i++)
+    if (paths[i]) status = check_picture(output_options[i], paths[i], paths, error);
   const char *const inputs[] = {arguments->guide, arguments->anchors.pivots};
-  for (int i = 0; !status && i < 3; i++)
+  for (int i = 0; !status && i < OUTPUTS; i++)
     status = protect_inputs(&arguments->options, paths[i], inputs, arguments->anchors.pivots ? 2 : 1);
   if (!status && arguments->measure) status = require_folder(&arguments->options, arguments->measure);
   if (!status)
     status = protect_inputs(&arguments->options, arguments->measure, inputs, arguments->anchors.pivots ? 2 : 1);
-  if (!status) status = check_patterns(arguments, paths);
+  if (!status) status = check_patterns(arguments);
   if (!status) status = check_flicker(arguments);
   return status ? status : check_anchors(&arguments->options, &arguments->anchors);
 }
@@ -169,8 +175,9 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END: status = check_arguments(arguments); break;
     case KEY_GUIDE: arguments->guide = text; break;
     case KEY_STYLE: arguments->style = text; break;
-    case KEY_NNF: arguments->nnf = text; break;
-    case KEY_CHUNKS: arguments->chunks = text; break;
+    case KEY_NNF: arguments->outputs[OUTPUT_FIELD] = text; break;
+    case KEY_CHUNKS: arguments->outputs[OUTPUT_CHUNKS] = text; break;
+    case KEY_FLAT: arguments->outputs[OUTPUT_FLAT] = text; break;
     case KEY_PIVOTS: arguments->anchors.pivots = text; break;
     case KEY_FRAMES: arguments->range = text; break;
     case KEY_SKIP_MISSING: arguments->skip_missing = true; break;
@@ -203,25 +210,23 @@ static const struct argp parser = {
 /* Names of one frame of a sequence; they are the caller's. */
 typedef struct Names {
   FrameFiles files;
-  char *guide, *output, *nnf, *chunks;
+  char *guide, *outputs[OUTPUTS];
 } Names;
 
 static void free_names(Names *names) {
   free(names->guide);
-  free(names->output);
-  free(names->nnf);
-  free(names->chunks);
+  for (int i = 0; i < OUTPUTS; i++) free(names->outputs[i]);
 }
 
 static StyStatus make_names(const Arguments *arguments, int number, Names *out, StyError *error) {
-  out->guide = name_frame(arguments->guide, number);
-  out->output = name_frame(arguments->options.output, number);
-  out->nnf = arguments->nnf ? name_frame(arguments->nnf, number) : NULL;
-  out->chunks = arguments->chunks ? name_frame(arguments->chunks, number) : NULL;
-  out->files = (FrameFiles){out->guide, out->output, out->nnf, out->chunks, number};
-  if (!out->guide || !out->output || (arguments->nnf && !out->nnf) || (arguments->chunks && !out->chunks))
-    return sty_fail_memory(error, "frame", 0);
-  return STY_OK;
+  bool failed = !(out->guide = name_frame(arguments->guide, number));
+  out->files = (FrameFiles){.guide = out->guide, .number = number};
+  for (int i = 0; i < OUTPUTS; i++) {
+    if (!arguments->outputs[i]) continue;
+    out->files.outputs[i] = out->outputs[i] = name_frame(arguments->outputs[i], number);
+    failed |= !out->outputs[i];
+  }
+  return failed ? sty_fail_memory(error, "frame", 0) : STY_OK;
 }
 
 /* A frame in the making. */

@@ -9,6 +9,7 @@
 #include "passes.h"
 #include "stylut/image_io.h"
 #include "stylut/match.h"
+#include "stylut/measure.h"
 
 /* ---- what is read ----------------------------------------------------------------- */
 
@@ -344,6 +345,20 @@ static StyStatus draw_field(const Request *request, const Work *work, StyImage *
   return status;
 }
 
+static StyStatus draw_flat(const Request *request, const Work *work, StyImage **out, StyError *error) {
+  static const char *const names[] = {"Y"};
+  const StyFrame *frame = &work->filled.frame;
+  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+  (void)request;
+  uint8_t *mask = malloc(pixels);
+  if (!mask) return sty_fail_memory(error, "flat areas", (double)pixels);
+  const StyStatus status = sty_create_image(frame->width, frame->height, 1, names, 8, out, error);
+  if (!status) sty_mark_flat(&(StyShot){.width = frame->width, .height = frame->height, .guide = frame->guide}, mask);
+  for (size_t i = 0; !status && i < pixels; i++) (*out)->data[i] = mask[i] ? 1 : 0;
+  free(mask);
+  return status;
+}
+
 /* How the frame came about, into an image's metadata. */
 static StyStatus record(const Request *request, const FrameFiles *files, StyImage *image, StyError *error) {
   char *index = sty_join_path(request->bundle_path, STY_BUNDLE_INDEX);
@@ -368,16 +383,13 @@ static StyStatus prepare_output(const Request *request, const FrameFiles *files,
 
 StyStatus write_work(const Request *request, const FrameFiles *files, Work *work, StyError *error) {
   const double start = sty_get_milliseconds();
-  const struct {
-    const char *path;
-    DrawOutput *draw;
-  } asked[] = {{files->output, draw_picture}, {files->nnf, draw_field}, {files->chunks, draw_chunks}};
-  StyOutput outputs[3];
+  static DrawOutput *const draw[OUTPUTS] = {draw_picture, draw_field, draw_chunks, draw_flat};
+  StyOutput outputs[OUTPUTS];
   int count = 0;
   StyStatus status = STY_OK;
-  for (int i = 0; !status && i < 3; i++) {
-    if (!asked[i].path) continue;
-    status = prepare_output(request, files, asked[i].path, work, asked[i].draw, &outputs[count], error);
+  for (int i = 0; !status && i < OUTPUTS; i++) {
+    if (!files->outputs[i]) continue;
+    status = prepare_output(request, files, files->outputs[i], work, draw[i], &outputs[count], error);
     count += !status;
   }
   for (int i = 0; i < count; i++) {
@@ -405,11 +417,10 @@ static bool has_history(const char *path, const StyImage *wanted) {
 bool is_kept(const Request *request, const FrameFiles *files) {
   static const char *const names[] = {"A"};
   StyImage *wanted = NULL;
-  if (request->options->no_history || access(files->output, R_OK) != 0) return false;
+  if (request->options->no_history || access(files->outputs[OUTPUT_PICTURE], R_OK) != 0) return false;
   if (sty_create_image(1, 1, 1, names, 8, &wanted, NULL)) return false;
-  const bool is_same = !record(request, files, wanted, NULL) && has_history(files->output, wanted) &&
-                       (!files->nnf || has_history(files->nnf, wanted)) &&
-                       (!files->chunks || has_history(files->chunks, wanted));
+  bool is_same = !record(request, files, wanted, NULL);
+  for (int i = 0; is_same && i < OUTPUTS; i++) is_same = !files->outputs[i] || has_history(files->outputs[i], wanted);
   sty_destroy_image(&wanted);
   return is_same;
 }

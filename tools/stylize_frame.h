@@ -22,9 +22,12 @@ typedef struct Request {
   StyRuntimePath path;
 } Request;
 
-/* Names of one frame; all but guide and output may be NULL. */
+/* Pictures that a frame becomes. */
+enum { OUTPUT_PICTURE, OUTPUT_FIELD, OUTPUT_CHUNKS, OUTPUT_FLAT, OUTPUTS };
+
+/* Names of one frame; all but those of guide and picture may be NULL. */
 typedef struct FrameFiles {
-  const char *guide, *output, *nnf, *chunks;
+  const char *guide, *outputs[OUTPUTS];
   int number;
 } FrameFiles;
 

@@ -8,7 +8,7 @@
 #include "stylut/measure.h"
 
 /* Figures that have a mean over the frames, by their names in JSON and what people read. */
-enum { WARP_MEAN, WARP_RMS, JUMPS, SSIM, FLIP, CHUNK_MEAN, CHUNK_WEIGHTED, FALLBACK, FLAT, REPETITION, FIGURES };
+enum { WARP_MEAN, WARP_RMS, JUMPS, SSIM, FLIP, CHUNK_MEAN, CHUNK_WEIGHTED, FALLBACK, FLAT, REPETITION, SHOWN, FIGURES };
 static const struct {
   const char *key, *text;
 } figures[FIGURES] = {{"warp_mean", "warping error, mean of |difference| along the motion (0..1)"},
@@ -20,7 +20,8 @@ static const struct {
                       {"chunk_weighted", "pixels a chunk, as pixels see it"},
                       {"fallback", "share of pixels without a chunk"},
                       {"flat", "share of pixels on flat areas"},
-                      {"repetition", "repetition there, mean peak of autocorrelation (0..1)"}};
+                      {"repetition", "repetition there, mean peak of autocorrelation (0..1)"},
+                      {"shown", "times that a source pixel is shown there"}};
 
 /* What a frame leaves for the next: a shot and its buffers. */
 typedef struct Kept {
@@ -136,7 +137,10 @@ static StyStatus measure_shot(Measures *measures, const Request *request, const 
   note(measures, into, CHUNK_WEIGHTED, chunks.weighted);
   note(measures, into, FALLBACK, levels.fallback);
   note(measures, into, FLAT, repetition.flat);
-  if (repetition.windows) note(measures, into, REPETITION, repetition.mean);
+  if (repetition.windows) {
+    note(measures, into, REPETITION, repetition.mean);
+    note(measures, into, SHOWN, repetition.shown);
+  }
   json_t *shares = json_array();
   for (int level = 0; level <= STY_MAX_LEVEL; level++) json_array_append_new(shares, json_real(levels.share[level]));
   json_object_set_new(into, "levels", shares);

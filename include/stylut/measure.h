@@ -84,11 +84,15 @@ typedef struct StyRepetition {
   size_t windows;
   double flat;          /* share of the covered pixels that lie in such windows */
   double mean, largest; /* of the windows' peaks, 0..1 */
+  double shown;         /* pixels of flat areas per source pixel that they show, 1 and up; 0 without such areas */
 } StyRepetition;
 #define STY_FLAT_WINDOW 64
 #define STY_FLAT_STEPS 2
 #define STY_LEAST_LAG 4
 StyStatus sty_measure_repetition(const StyShot *shot, const StyRun *run, StyRepetition *out, StyError *error);
+
+/* Where those windows are, by size and guide alone: 255 on pixels that lie in one, else 0. `mask`: width*height. */
+void sty_mark_flat(const StyShot *shot, uint8_t *mask);
 
 #ifdef __cplusplus
 }

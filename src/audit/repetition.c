@@ -1,6 +1,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "audit/luma.h"
 #include "stylut/measure.h"
@@ -114,26 +115,50 @@ static StyStatus measure_window(void *context, long i, StyError *error) {
   return STY_OK;
 }
 
-/* Windows overlap by halves: a quarter of one counts once, however many hold it. */
-static size_t count_flat_pixels(const Job *job, int down) {
-  size_t quarters = 0;
-  for (int y = 0; y <= down; y++)
-    for (int x = 0; x <= job->across; x++) {
-      bool flat = false;
-      for (int k = 0; k < 4; k++) {
-        const int wx = x - k % 2, wy = y - k / 2;
-        if (wx >= 0 && wy >= 0 && wx < job->across && wy < down)
-          flat = flat || job->peaks[(size_t)wy * (size_t)job->across + (size_t)wx] >= 0;
-      }
-      quarters += flat;
-    }
-  return quarters * REACH * REACH;
+void sty_mark_flat(const StyShot *shot, uint8_t *mask) {
+  const size_t width = (size_t)shot->width;
+  memset(mask, 0, width * (size_t)shot->height);
+  for (int y0 = 0; y0 + SIDE <= shot->height; y0 += REACH)
+    for (int x0 = 0; x0 + SIDE <= shot->width; x0 += REACH)
+      if (is_flat(shot, x0, y0))
+        for (int y = y0; y < y0 + SIDE; y++) memset(mask + (size_t)y * width + (size_t)x0, 255, SIDE);
 }
 
-static size_t count_covered(const StyShot *shot) {
-  size_t covered = 0;
-  for (size_t i = 0; i < (size_t)shot->width * (size_t)shot->height; i++) covered += shot->guide[4 * i + 3] > 0;
-  return covered;
+static int compare_keys(const void *a, const void *b) {
+  const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+  return (x > y) - (x < y);
+}
+
+static size_t count_distinct(uint64_t *keys, size_t count) {
+  size_t distinct = 0;
+  qsort(keys, count, sizeof *keys, compare_keys);
+  for (size_t i = 0; i < count; i++) distinct += i == 0 || keys[i] != keys[i - 1];
+  return distinct;
+}
+
+/* Pixels of flat areas, and how many of them show one source pixel. */
+static StyStatus measure_area(const StyShot *shot, StyRepetition *out, StyError *error) {
+  const size_t pixels = (size_t)shot->width * (size_t)shot->height;
+  uint8_t *mask = malloc(pixels);
+  uint64_t *keys = malloc(pixels * sizeof *keys);
+  size_t covered = 0, flat = 0, shown = 0;
+  if (mask && keys) {
+    sty_mark_flat(shot, mask);
+    for (size_t i = 0; i < pixels; i++) {
+      const StyMatch *match = &shot->matches[i];
+      covered += shot->guide[4 * i + 3] > 0;
+      flat += mask[i] > 0;
+      if (mask[i] && match->level != STY_LEVEL_NONE)
+        keys[shown++] =
+            (uint64_t)match->style << 40 | (uint64_t)match->layer << 32 | (uint64_t)match->y << 16 | match->x;
+    }
+    out->flat = covered ? (double)flat / (double)covered : 0;
+    out->shown = shown ? (double)shown / (double)count_distinct(keys, shown) : 0;
+  }
+  const bool failed = !mask || !keys;
+  free(mask);
+  free(keys);
+  return failed ? sty_fail_memory(error, "repetition", (double)pixels * (1 + sizeof *keys)) : STY_OK;
 }
 
 StyStatus sty_measure_repetition(const StyShot *shot, const StyRun *run, StyRepetition *out, StyError *error) {
@@ -151,10 +176,8 @@ StyStatus sty_measure_repetition(const StyShot *shot, const StyRun *run, StyRepe
     out->mean += peaks[i];
     out->largest = fmax(out->largest, peaks[i]);
   }
-  if (out->windows) {
-    out->mean /= (double)out->windows;
-    out->flat = (double)count_flat_pixels(&job, down) / (double)count_covered(shot);
-  }
   free(peaks);
-  return status;
+  if (status || !out->windows) return status;
+  out->mean /= (double)out->windows;
+  return measure_area(shot, out, error);
 }
