@@ -290,6 +290,20 @@ run-coherence: $(TOOL) $(MODULE) $(BUILD)/tests/bench/pieces
 	@exemplars/coherence_pictures.sh $(TOOL) build/coherence exemplars/pictures
 	@cp build/coherence/coherence.csv exemplars/charts/coherence.csv
 
+# What stylize --anchor does for things that move.
+.PHONY: motion run-motion
+motion: ensure-test-packages ## study of --anchor: exemplars/charts/motion.csv and .svg
+	@$(MAKE) --no-print-directory run-motion
+run-motion: $(TOOL) $(MODULE)
+	@exemplars/motion.sh $(TOOL) build/motion exemplars/charts
+
+# What helps flat surfaces.
+.PHONY: flat run-flat
+flat: ensure-test-packages ## study of scatter and --frame ray: exemplars/charts/flat.csv and a picture
+	@$(MAKE) --no-print-directory run-flat
+run-flat: $(TOOL) $(MODULE)
+	@exemplars/flat.sh $(TOOL) build/flat exemplars/charts exemplars/pictures
+
 .PHONY: style
 style: ## formatting, includes, shell scripts
 	@tests/style.sh

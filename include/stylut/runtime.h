@@ -202,7 +202,8 @@ StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, 
  * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't, nor,
  * where there are anchors, another object's). Its u*
  * moves by floor((2*scatter + 1) * j / 256) - scatter, j = the jitter table's bytes (x, y) at ((seed - anchor + 128)
- * mod 256), unless that leaves the source or its mask. */
+ * mod 256), unless either place is outside the source or its mask; in D the frame's guide then counts as tilted with it:
+ * by the source's guide (bytes) at the moved u* less that at u*. */
 StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches);
 #define STY_SCATTER_LEVEL 3
 #define STY_FLAT_DIFFERENCE 2
@@ -219,7 +220,8 @@ StyRuntimeStatus sty_transfer_brute(const StyBundle *bundle, const StyFrame *fra
 /* Transfer at half resolution, second step: `half` is a frame of the pixels (2x, 2y) of `frame`, (width+1)/2 by
  * (height+1)/2 with resolution one less, `half_matches` its matches (needed around rect/2). Pixel (x, y) moves on from
  * the match of (x/2, y/2) by (x%2, y%2) / S where that is of its style and is accepted as above, and keeps
- * its level and lighting; else it falls back. */
+ * its level and lighting; else it falls back. With scatter, the frame's guide counts as tilted by the source's guide at
+ * that match, where it is covered, less `half`'s guide at (x/2, y/2). */
 StyRuntimeStatus sty_expand_matches(const StyBundle *bundle, const StyFrame *half, const StyMatch *half_matches,
                                     const StyFrame *frame, StyRect rect, StyMatch *matches);
 

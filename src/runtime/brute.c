@@ -18,7 +18,7 @@ static void copy_chunk(const Brute *brute, const Source *source, const Pixel *p)
       const size_t index = get_pixel_index(frame, x, y);
       StyMatch *match = &brute->matches[index];
       if (match->level == STY_LEVEL_NONE && get_pixel_style(brute->bundle, frame, index) == source->number + 1 &&
-          accepts(source, frame, index, (Point){source_x, source_y}, lighting))
+          accepts(source, frame, index, (Tilt){{0}}, (Point){source_x, source_y}, lighting))
         *match = (StyMatch){
             .x = (uint16_t)source_x, .y = (uint16_t)source_y, .layer = (uint8_t)lighting, .style = source->number};
     }

@@ -54,12 +54,23 @@ static inline int choose_lighting(const Source *source, const StyFrame *frame, s
   return chosen;
 }
 
-/* Whether a pixel takes a source pixel in this lighting. */
-static inline bool accepts(const Source *source, const StyFrame *frame, size_t index, Point candidate, int lighting) {
+/* Guides of a place that a piece was moved to, less those of where it belongs: bytes. */
+typedef struct Tilt {
+  int bytes[3];
+} Tilt;
+
+static inline Tilt get_tilt(const unsigned char *from, const unsigned char *to) {
+  return (Tilt){{to[0] - from[0], to[1] - from[1], to[2] - from[2]}};
+}
+
+/* Whether a pixel, tilted so, takes a source pixel in this lighting. */
+static inline bool accepts(const Source *source, const StyFrame *frame, size_t index, Tilt tilt, Point candidate,
+                           int lighting) {
   const unsigned char *there = find_source_texel(source, candidate.x, candidate.y), *here = frame->guide + index * 4;
   if (!there) return false;
   int error = 0;
-  for (int channel = 0; channel < 3; channel++) error += 256 * get_difference(here[channel], there[channel]);
+  for (int channel = 0; channel < 3; channel++)
+    error += 256 * get_difference(here[channel] + tilt.bytes[channel], there[channel]);
   if (frame->luma) error += source->luma_weight * get_difference(frame->luma[index], source->luma[lighting]);
   return error < source->threshold;
 }
@@ -111,29 +122,37 @@ static inline bool looks_alike(const StyFrame *frame, size_t index, int x, int y
   return b[3] > 0 && difference <= STY_FLAT_DIFFERENCE;
 }
 
-/* On flat surfaces all seeds of a level would copy the same patch: each takes it from elsewhere. */
-static inline Point scatter(const Source *source, const StyFrame *frame, Point seed, Point in_grid, int level,
-                            Point found) {
+/* What a seed proposes to the pixels that it is nearest to. */
+typedef struct Proposal {
+  bool is_made, is_moved;
+  Point found; /* u* */
+  Tilt tilt;   /* where it is moved */
+  int lighting, object;
+} Proposal;
+
+/* On flat surfaces all seeds of a level would copy the same patch: each takes it from elsewhere, as if the surface
+ * faced that way there. */
+static inline void scatter(const Source *source, const StyFrame *frame, Point seed, Point in_grid, int level,
+                           Proposal *proposal) {
   const int reach = 2 * source->style.scatter + 1, step = (1 << level) / 2;
   const size_t index = get_pixel_index(frame, seed.x, seed.y);
   if (source->style.scatter == 0 || level < STY_SCATTER_LEVEL || !looks_alike(frame, index, seed.x - step, seed.y) ||
       !looks_alike(frame, index, seed.x + step, seed.y) || !looks_alike(frame, index, seed.x, seed.y - step) ||
       !looks_alike(frame, index, seed.x, seed.y + step))
-    return found;
+    return;
   const size_t column = (unsigned)(in_grid.x + 128) % STY_JITTER_SIZE,
                row = (unsigned)(in_grid.y + 128) % STY_JITTER_SIZE;
   const unsigned char *j = source->jitter + (row * STY_JITTER_SIZE + column) * 2;
+  const Point found = proposal->found;
   const Point moved = {found.x + reach * j[0] / 256 - source->style.scatter,
                        found.y + reach * j[1] / 256 - source->style.scatter};
-  return find_source_texel(source, moved.x, moved.y) ? moved : found;
+  const unsigned char *from = find_source_texel(source, found.x, found.y),
+                      *to = find_source_texel(source, moved.x, moved.y);
+  if (!from || !to) return;
+  proposal->found = moved;
+  proposal->is_moved = true;
+  proposal->tilt = get_tilt(from, to);
 }
-
-/* What a seed proposes to the pixels that it is nearest to. */
-typedef struct Proposal {
-  bool is_made;
-  Point found; /* u* */
-  int lighting, object;
-} Proposal;
 
 /* `seed` is a pixel of the frame or outside of it, `in_grid` the same less the anchor. */
 static inline Proposal propose(const Source *source, const StyFrame *frame, Point seed, Point in_grid, int level) {
@@ -142,9 +161,10 @@ static inline Proposal propose(const Source *source, const StyFrame *frame, Poin
   const size_t index = get_pixel_index(frame, seed.x, seed.y);
   if (frame->guide[index * 4 + 3] == 0) return proposal;
   proposal.is_made = true;
-  proposal.found = scatter(source, frame, seed, in_grid, level, look_up(source, frame, index));
+  proposal.found = look_up(source, frame, index);
   proposal.lighting = choose_lighting(source, frame, index);
   proposal.object = get_object(frame, index);
+  scatter(source, frame, seed, in_grid, level, &proposal);
   return proposal;
 }
 

@@ -9,16 +9,24 @@ typedef struct Expansion {
   StyMatch *matches;
 } Expansion;
 
+/* Where pieces are moved, so is the half's match. */
+static Tilt find_tilt(const Source *source, const StyFrame *half, size_t index, const StyMatch *parent) {
+  const unsigned char *there = find_source_texel(source, parent->x, parent->y);
+  return source->style.scatter && there ? get_tilt(half->guide + 4 * index, there) : (Tilt){{0}};
+}
+
 static void expand_pixel(void *context, const Pixel *pixel) {
   const Expansion *expansion = context;
   StyMatch *match = &expansion->matches[pixel->index];
   *match = no_match;
   if (!pixel->source) return;
   const Source *source = pixel->source;
-  const StyMatch *parent = &expansion->half_matches[get_pixel_index(expansion->half, pixel->x / 2, pixel->y / 2)];
+  const size_t half_index = get_pixel_index(expansion->half, pixel->x / 2, pixel->y / 2);
+  const StyMatch *parent = &expansion->half_matches[half_index];
   const Point candidate = {parent->x + to_source(source, pixel->x % 2), parent->y + to_source(source, pixel->y % 2)};
   if (parent->level != STY_LEVEL_NONE && parent->style == source->number && parent->layer < source->style.layer_count &&
-      accepts(source, expansion->frame, pixel->index, candidate, parent->layer))
+      accepts(source, expansion->frame, pixel->index, find_tilt(source, expansion->half, half_index, parent), candidate,
+              parent->layer))
     *match = (StyMatch){.x = (uint16_t)candidate.x,
                         .y = (uint16_t)candidate.y,
                         .level = parent->level,

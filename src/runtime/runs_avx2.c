@@ -95,7 +95,8 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
   const Source *source = run->source;
   const StyFrame *frame = run->frame;
   const Proposal *proposal = &segment->proposal;
-  if (source->spread != 0 || (frame->luma && (size_t)frame->width * (size_t)frame->height < LANES)) {
+  if (source->spread != 0 || proposal->is_moved ||
+      (frame->luma && (size_t)frame->width * (size_t)frame->height < LANES)) {
     try_pixels_singly(run, segment, waiting);
     return;
   }

@@ -92,6 +92,10 @@ static void try_pixels(const Run *run, const Segment *segment, Waiting *waiting)
   const Source *source = run->source;
   const StyFrame *frame = run->frame;
   const Proposal *proposal = &segment->proposal;
+  if (proposal->is_moved) {
+    try_pixels_singly(run, segment, waiting);
+    return;
+  }
   const int y = proposal->found.y + to_source(source, -segment->seed.y);
   if (y < 0 || y >= source->height) return;
   const unsigned char *row = source->guide + (size_t)y * (size_t)source->width * 4;

@@ -72,7 +72,8 @@ static int try_level(const Run *run, int level, const SeedRow seeds, int16_t *pl
     const Proposal *proposal = &last.proposal;
     const Point candidate = {proposal->found.x + to_source(source, k - last.seed.x),
                              proposal->found.y + to_source(source, -last.seed.y)};
-    if (proposal->is_made && accepts(source, run->frame, run->first + (size_t)k, candidate, proposal->lighting))
+    if (proposal->is_made &&
+        accepts(source, run->frame, run->first + (size_t)k, proposal->tilt, candidate, proposal->lighting))
       run->matches[k] = (StyMatch){.x = (uint16_t)candidate.x,
                                    .y = (uint16_t)candidate.y,
                                    .level = (uint8_t)level,

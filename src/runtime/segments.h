@@ -49,7 +49,7 @@ static inline void try_pixels_singly(const Run *run, const Segment *segment, Wai
   const int y = proposal->found.y + to_source(source, -segment->seed.y);
   for (int k = segment->a; k < segment->b; k = find_waiting(waiting, k + 1, segment->b)) {
     const Point candidate = {proposal->found.x + to_source(source, k - segment->seed.x), y};
-    if (!accepts(source, run->frame, run->first + (size_t)k, candidate, proposal->lighting)) continue;
+    if (!accepts(source, run->frame, run->first + (size_t)k, proposal->tilt, candidate, proposal->lighting)) continue;
     run->matches[k] = (StyMatch){.x = (uint16_t)candidate.x,
                                  .y = (uint16_t)candidate.y,
                                  .level = (uint8_t)segment->level,

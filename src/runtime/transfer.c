@@ -11,7 +11,7 @@ static StyMatch match_pixel(const Source *source, const StyFrame *frame, const P
     if (!proposal.is_made || (frame->anchors && proposal.object != get_object(frame, pixel->index))) continue;
     const Point candidate = {proposal.found.x + to_source(source, pixel->x - seed.x),
                              proposal.found.y + to_source(source, pixel->y - seed.y)};
-    if (accepts(source, frame, pixel->index, candidate, proposal.lighting))
+    if (accepts(source, frame, pixel->index, proposal.tilt, candidate, proposal.lighting))
       return (StyMatch){.x = (uint16_t)candidate.x,
                         .y = (uint16_t)candidate.y,
                         .level = (uint8_t)level,

@@ -73,16 +73,22 @@ static inline int choose_lighting(const Fixture *fixture, int style, const StyFr
 }
 
 /* Whether a source pixel may stand at a frame's pixel. */
-static inline bool is_accepted(const Fixture *fixture, int style, const StyFrame *frame, int x, int y, Pair candidate,
-                               int lighting) {
+/* `tilt`: what the frame's guide is tilted by where pieces scatter. */
+static inline bool is_accepted_tilted(const Fixture *fixture, int style, const StyFrame *frame, int x, int y,
+                                      const int tilt[3], Pair candidate, int lighting) {
   const uint8_t *source = ask_source(fixture, style, candidate.x, candidate.y);
   if (!source) return false;
   const size_t i = get_index(frame, x, y);
   int error = 0, difference = 0;
-  for (size_t c = 0; c < 3; c++) error += abs(source[c] - frame->guide[4 * i + c]);
+  for (size_t c = 0; c < 3; c++) error += abs(source[c] - (frame->guide[4 * i + c] + tilt[c]));
   if (frame->luma) difference = abs(frame->luma[i] - get_lighting_luma(fixture, style, lighting));
   const int weight = round_fraction(fixture->style[style].luma_weight, 256);
   return 256 * error + weight * difference < 256 * fixture->style[style].threshold;
+}
+
+static inline bool is_accepted(const Fixture *fixture, int style, const StyFrame *frame, int x, int y, Pair candidate,
+                               int lighting) {
+  return is_accepted_tilted(fixture, style, frame, x, y, (const int[3]){0, 0, 0}, candidate, lighting);
 }
 
 /* ---- seeds ---- */
@@ -146,14 +152,17 @@ static inline bool is_flat(const StyFrame *frame, Pair seed, int h) {
 }
 
 static inline Pair scatter_star(const Fixture *fixture, int style, const StyFrame *frame, Pair star, Pair seed,
-                                Pair anchor, int h) {
+                                Pair anchor, int h, int tilt[3]) {
   const int scatter = fixture->style[style].scatter;
   if (h < 8 || !is_flat(frame, seed, h)) return star;
   const int table = find_table(fixture, style, frame->number);
   const uint8_t *j = get_jitter(fixture, table, seed.x - anchor.x + 128, seed.y - anchor.y + 128);
   const Pair moved = {star.x + (int)floor((2 * scatter + 1) * j[0] / 256.0) - scatter,
                       star.y + (int)floor((2 * scatter + 1) * j[1] / 256.0) - scatter};
-  return ask_source(fixture, style, moved.x, moved.y) ? moved : star;
+  const uint8_t *from = ask_source(fixture, style, star.x, star.y), *to = ask_source(fixture, style, moved.x, moved.y);
+  if (!from || !to) return star;
+  for (int c = 0; c < 3; c++) tilt[c] = to[c] - from[c];
+  return moved;
 }
 
 /* ---- matches ---- */
@@ -185,10 +194,11 @@ static inline StyMatch expect_match(const Fixture *fixture, const StyFrame *fram
     if (!is_in_frame(frame, seed.x, seed.y) || !is_covered(frame, seed.x, seed.y)) continue;
     if (frame->anchors && get_object(frame, seed.x, seed.y) != get_object(frame, x, y)) continue;
     Pair star = look_up(fixture, style, frame, seed.x, seed.y);
-    star = scatter_star(fixture, style, frame, star, seed, anchor, h);
+    int tilt[3] = {0, 0, 0};
+    star = scatter_star(fixture, style, frame, star, seed, anchor, h, tilt);
     const Pair candidate = move_on(fixture, style, frame, star, x - seed.x, y - seed.y);
     const int lighting = choose_lighting(fixture, style, frame, seed.x, seed.y);
-    if (is_accepted(fixture, style, frame, x, y, candidate, lighting))
+    if (is_accepted_tilted(fixture, style, frame, x, y, tilt, candidate, lighting))
       return make_match(candidate, level, lighting, style);
   }
   return expect_fallback(fixture, frame, x, y);

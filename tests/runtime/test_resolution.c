@@ -45,7 +45,11 @@ static StyMatch expect_expanded(const Fixture *fixture, const StyFrame *half, co
   if (!style) return no_match;
   if (parent.level != STY_LEVEL_NONE && parent.style == style - 1 && parent.layer < fixture->style[style].layer_count) {
     const Pair candidate = move_on(fixture, style, frame, (Pair){parent.x, parent.y}, x % 2, y % 2);
-    if (is_accepted(fixture, style, frame, x, y, candidate, parent.layer))
+    const uint8_t *there = ask_source(fixture, style, parent.x, parent.y);
+    int tilt[3] = {0, 0, 0};
+    for (int c = 0; c < 3 && there && fixture->style[style].scatter > 0; c++)
+      tilt[c] = there[c] - half->guide[4 * get_index(half, x / 2, y / 2) + (size_t)c];
+    if (is_accepted_tilted(fixture, style, frame, x, y, tilt, candidate, parent.layer))
       return make_match(candidate, parent.level, parent.layer, style);
   }
   return expect_fallback(fixture, frame, x, y);

@@ -187,11 +187,11 @@ int choose_lighting(Source source, ivec2 p) {
   return chosen;
 }
 
-/* Whether a pixel takes a source pixel in this lighting. */
-bool accepts(Source source, ivec2 p, ivec2 candidate, int lighting) {
+/* Whether a pixel, tilted by so many bytes, takes a source pixel in this lighting. */
+bool accepts(Source source, ivec2 p, ivec4 tilt, ivec2 candidate, int lighting) {
   ivec4 there = find_source_texel(source, candidate);
   if (there.a == 0) return false;
-  int error = 256 * sum_differences(get_guide(p), there);
+  int error = 256 * sum_differences(get_guide(p) + tilt, there);
   if (has(HAS_LUMA)) error += source.luma_weight * abs(get_luma(p) - source.luma[lighting]);
   return error < source.threshold;
 }

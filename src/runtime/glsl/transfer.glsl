@@ -16,11 +16,16 @@ bool is_flat(ivec2 seed, int level) {
          looks_alike(seed, seed + down);
 }
 
-/* On flat surfaces all seeds of a level would copy the same patch: each takes it from elsewhere. */
-ivec2 scatter(Source source, ivec2 seed, ivec2 in_grid, int level, ivec2 found) {
+/* On flat surfaces all seeds of a level would copy the same patch: each takes it from elsewhere, as if the surface faced
+ * that way there. */
+ivec2 scatter(Source source, ivec2 seed, ivec2 in_grid, int level, ivec2 found, out ivec4 tilt) {
+  tilt = ivec4(0);
   if (source.scatter == 0 || level < SCATTER_LEVEL || !is_flat(seed, level)) return found;
   ivec2 moved = found + (2 * source.scatter + 1) * get_jitter(source, in_grid + 128) / 256 - source.scatter;
-  return find_source_texel(source, moved).a > 0 ? moved : found;
+  ivec4 from = find_source_texel(source, found), to = find_source_texel(source, moved);
+  if (from.a == 0 || to.a == 0) return found;
+  tilt = to - from;
+  return moved;
 }
 
 /* Whether a seed may propose to p. */
@@ -33,9 +38,10 @@ uvec4 match_pixel(Source source, ivec2 p) {
   for (int level = source.top_level; level >= 0; level--) {
     ivec2 in_grid = find_seed(source, p - anchor, level), seed = in_grid + anchor;
     if (!may_propose(seed, p)) continue;
-    ivec2 candidate = scatter(source, seed, in_grid, level, look_up(source, seed)) + to_source(source, p - seed);
+    ivec4 tilt;
+    ivec2 candidate = scatter(source, seed, in_grid, level, look_up(source, seed), tilt) + to_source(source, p - seed);
     int lighting = choose_lighting(source, seed);
-    if (accepts(source, p, candidate, lighting)) return make_match(source, candidate, level, lighting);
+    if (accepts(source, p, tilt, candidate, lighting)) return make_match(source, candidate, level, lighting);
   }
   return fall_back(source, p);
 }
