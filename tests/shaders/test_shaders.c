@@ -25,12 +25,13 @@ static void check_frame(const Gpu *gpu, const StyBundle *bundle, const StyFrame 
   free(picture);
 }
 
-/* All of one guide, so that pieces scatter wherever their object's surroundings let them. */
-static void check_flat_frame(const Gpu *gpu, uint64_t *random, Tally *tally) {
+/* All of one guide, so that pieces scatter wherever their object's surroundings let them; they come from a source that
+ * spreads so far. */
+static void check_flat_frame(const Gpu *gpu, uint64_t *random, int spread, int threshold, Tally *tally) {
   const Guides how = {100, 1, 0};
-  Fixture *fixture = draw_fixture(random, &how, 64, 1);
+  Fixture *fixture = draw_fixture(random, &(Guides){100 - spread / 2, spread, 0}, 64, 1);
   StyStyle style = fixture->style[1];
-  style.threshold = STY_MAX_THRESHOLD, style.top_level = 5, style.scatter = 12, style.luma_weight = 0;
+  style.threshold = threshold, style.top_level = 5, style.scatter = 12, style.luma_weight = 0;
   write_style(fixture, 1, &style);
   StyFrame frame = draw_frame(random, &how, fixture, 130, 70);
   while (!frame.objects || !frame.anchors) {
@@ -56,7 +57,8 @@ static void check_drawn_frames(const char *dialect, uint64_t random) {
     destroy_frame(&frame);
     destroy_fixture(fixture);
   }
-  check_flat_frame(&gpu, &random, &tally);
+  check_flat_frame(&gpu, &random, 1, STY_MAX_THRESHOLD, &tally);
+  check_flat_frame(&gpu, &random, 20, 24, &tally);
   close_gpu(&gpu);
   for (int level = 0; level <= 6; level++) assert_in_range(tally.levels[level], 1, SIZE_MAX);
   for (int layer = 0; layer < STY_MAX_LIGHTINGS; layer++) assert_in_range(tally.layers[layer], 1, SIZE_MAX);
