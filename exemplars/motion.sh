@@ -103,14 +103,16 @@ set boxwidth 0.9
 set grid ytics lc rgb "#dddddd"
 set xrange [-0.6:7.6]
 set xtics ("5 px\ncreature" 0, "4.7 px" 1, "0.3 px" 2, "1° turn" 3, "5 px\ntorus" 4, "4.7 px" 5, "0.3 px" 6, "1° turn" 7) scale 0
-set key top right reverse Left
+set key top center horizontal maxcols 2 reverse Left width 2
+set bmargin 4
 anchors = "screen object screen object"
 tables = "nearest nearest coherent coherent"
 colours = "#fdba74 #93c5fd #c2410c #1d4ed8"
 row(i) = sprintf("< grep ,%s,%s, motion.csv", word(anchors, i), word(tables, i))
-set yrange [0:*]
+set yrange [0:0.115]
 set title "Warping error, share of white"
 plot for [i=1:4] row(i) using 5 lc rgb word(colours, i) title word(anchors, i).", ".word(tables, i)
+set yrange [0:100]
 set title "Source pixels that jump, %"
 plot for [i=1:4] row(i) using ($6 * 100) lc rgb word(colours, i) notitle
 END
