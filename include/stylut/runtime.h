@@ -202,8 +202,8 @@ StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, 
  * differs by at most STY_FLAT_DIFFERENCE (summed bytes; places outside the frame agree, uncovered ones don't, nor,
  * where there are anchors, another object's). Its u*
  * moves by floor((2*scatter + 1) * j / 256) - scatter, j = the jitter table's bytes (x, y) at ((seed - anchor + 128)
- * mod 256), unless either place is outside the source or its mask; in D the frame's guide then counts as tilted with it:
- * by the source's guide (bytes) at the moved u* less that at u*. */
+ * mod 256), unless either place is outside the source or its mask; in D the frame's guide then counts as tilted with
+ * it: by the source's guide (bytes) at the moved u* less that at u*. */
 StyRuntimeStatus sty_transfer_frame(const StyBundle *bundle, const StyFrame *frame, StyRect rect, StyMatch *matches);
 #define STY_SCATTER_LEVEL 3
 #define STY_FLAT_DIFFERENCE 2
