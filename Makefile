@@ -82,7 +82,7 @@ CREATURE = $(BUILD)/creature
 EXAMPLES = $(BUILD)/use_runtime $(BUILD)/animate_runtime
 TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
 # A shader for each dialect and pass: $(BUILD)/glsl/330/transfer.frag.
-GLSL_PASSES = transfer look_up expand blend halve
+GLSL_PASSES = transfer look_up expand blend halve toon contours columns lines lay
 SHADERS = $(foreach dialect,330 es300,$(BUILD)/glsl/$(dialect)/full_screen.vert \
   $(patsubst %,$(BUILD)/glsl/$(dialect)/%.frag,$(GLSL_PASSES)))
 FUZZERS = $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))

@@ -45,6 +45,13 @@ enum {
   UNIT_MATCHES,
   UNIT_HALF_MATCHES,
   UNIT_PICTURE,
+  UNIT_PATTERN,
+  UNIT_NOISE,
+  UNIT_CONTOURS,
+  UNIT_COLUMNS,
+  UNIT_WOBBLE,
+  UNIT_LINES,
+  UNIT_BELOW,
   UNITS
 };
 
@@ -72,6 +79,13 @@ static const Format formats[UNITS] = {
     {"matches", GL_TEXTURE_2D, GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT},
     {"half_matches", GL_TEXTURE_2D, GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT},
     {"double_picture", GL_TEXTURE_2D, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE},
+    {"toon_pattern", GL_TEXTURE_2D, GL_R8, GL_RED, GL_UNSIGNED_BYTE},
+    {"outline_noise", GL_TEXTURE_2D, GL_R8, GL_RED, GL_UNSIGNED_BYTE},
+    {"contours", GL_TEXTURE_2D, GL_R8, GL_RED, GL_UNSIGNED_BYTE},
+    {"columns", GL_TEXTURE_2D, GL_R8I, GL_RED_INTEGER, GL_BYTE},
+    {"line_wobble", GL_TEXTURE_2D, GL_RG8, GL_RG, GL_UNSIGNED_BYTE},
+    {"lines", GL_TEXTURE_2D, GL_R8, GL_RED, GL_UNSIGNED_BYTE},
+    {"below", GL_TEXTURE_2D, GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE},
 };
 
 /* Leaves the texture bound to its unit. texels: NULL for whatever, as targets and what nobody reads have it. */
@@ -93,8 +107,21 @@ static inline GLuint upload(int unit, int width, int height, int layers, const v
 
 /* ---- passes ---- */
 
-enum { PASS_TRANSFER, PASS_LOOK_UP, PASS_EXPAND, PASS_BLEND, PASS_HALVE, PASSES };
-static const char *const pass_names[PASSES] = {"transfer", "look_up", "expand", "blend", "halve"};
+enum {
+  PASS_TRANSFER,
+  PASS_LOOK_UP,
+  PASS_EXPAND,
+  PASS_BLEND,
+  PASS_HALVE,
+  PASS_TOON,
+  PASS_CONTOURS,
+  PASS_COLUMNS,
+  PASS_LINES,
+  PASS_LAY,
+  PASSES
+};
+static const char *const pass_names[PASSES] = {"transfer", "look_up",  "expand",  "blend", "halve",
+                                               "toon",     "contours", "columns", "lines", "lay"};
 
 typedef struct Gpu {
   const char *dialect;
@@ -192,6 +219,27 @@ static inline void set_size(const Gpu *gpu, int pass, const char *uniform, int w
   glUniform2i(glGetUniformLocation(gpu->programs[pass], uniform), width, height);
 }
 
+static inline void set_integers(const Gpu *gpu, int pass, const char *uniform, int count, const int *values) {
+  glUseProgram(gpu->programs[pass]);
+  glUniform1iv(glGetUniformLocation(gpu->programs[pass], uniform), count, values);
+}
+
+/* Of 4 bytes each. */
+static inline void set_colours(const Gpu *gpu, int pass, const char *uniform, int count, const uint8_t (*colours)[4]) {
+  for (int i = 0; i < count; i++) {
+    char name[32];
+    snprintf(name, sizeof name, count > 1 ? "%s[%d]" : "%s", uniform, i);
+    glUseProgram(gpu->programs[pass]);
+    glUniform4i(glGetUniformLocation(gpu->programs[pass], name), colours[i][0], colours[i][1], colours[i][2],
+                colours[i][3]);
+  }
+}
+
+static inline void set_number(const Gpu *gpu, int pass, const char *uniform, float value) {
+  glUseProgram(gpu->programs[pass]);
+  glUniform1f(glGetUniformLocation(gpu->programs[pass], uniform), value);
+}
+
 /* Draws a pass into a texture, which has the format of `unit`, and reads it back: 4 values of 32 bits a pixel from
  * integers, of 8 from others. */
 static inline void draw_pass(const Gpu *gpu, int pass, GLuint target, int unit, int width, int height, void *out) {
@@ -201,8 +249,13 @@ static inline void draw_pass(const Gpu *gpu, int pass, GLuint target, int unit, 
   glViewport(0, 0, width, height);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  const bool integers = formats[unit].format == GL_RGBA_INTEGER;
-  glReadPixels(0, 0, width, height, formats[unit].format, integers ? GL_UNSIGNED_INT : GL_UNSIGNED_BYTE, out);
+  const GLenum from = formats[unit].format;
+  const bool is_signed = from == GL_RED_INTEGER, integers = from == GL_RGBA_INTEGER || is_signed;
+  glReadPixels(0, 0, width, height, integers ? GL_RGBA_INTEGER : GL_RGBA,
+               is_signed  ? GL_INT
+               : integers ? GL_UNSIGNED_INT
+                          : GL_UNSIGNED_BYTE,
+               out);
   const GLenum error = glGetError();
   if (error) give_up("%s/%s: GL error 0x%x", gpu->dialect, pass_names[pass], error);
 }

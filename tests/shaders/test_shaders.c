@@ -1,10 +1,12 @@
 /* The shaders beside the C path, over drawn bundles and frames. */
 #include "../runtime/fixture.h"
+#include "drawings.h"
 #include "twins.h"
 
 /* What came of the pixels, so that a test can tell that it saw all of it. */
 typedef struct Tally {
   size_t levels[256], layers[STY_MAX_LIGHTINGS], partly;
+  size_t bands, lines[256]; /* toons shaded; coverages of lines */
 } Tally;
 
 static void count_pixels(Tally *tally, const StyMatch *matches, const uint8_t *picture, size_t pixels) {
@@ -23,6 +25,98 @@ static void check_frame(const Gpu *gpu, const StyBundle *bundle, const StyFrame 
   count_pixels(tally, matches, picture, pixels);
   free(matches);
   free(picture);
+}
+
+/* ---- toon and outlines ---- */
+
+/* Slants, steps and what isn't a number, so that slopes and gaps are of every kind. */
+static void draw_depth(uint64_t *random, StyFrame *frame) {
+  float *depth = (float *)(uintptr_t)frame->depth;
+  const float slope_x = (float)draw_below(random, 100) / 37, slope_y = (float)draw_below(random, 100) / 41;
+  for (int i = 0; depth && i < frame->width * frame->height; i++) {
+    const int x = i % frame->width, y = i / frame->width, step = (x / 9 * 7 + y / 11 * 5) % 4;
+    if (draw_below(random, 30)) depth[i] = (float)x * slope_x + (float)y * slope_y + (float)(step * step) * 1.7f;
+  }
+}
+
+/* Normals that bend by steps, so that cells turn. */
+static void bend_guide(uint64_t *random, StyFrame *frame) {
+  static const int steps[] = {0, 1, 3};
+  const int across = steps[draw_below(random, 3)], down = steps[draw_below(random, 3)];
+  uint8_t *guide = (uint8_t *)(uintptr_t)frame->guide;
+  for (int i = 0; i < frame->width * frame->height; i++)
+    for (int c = 0; c < 3; c++)
+      guide[4 * i + c] = (uint8_t)(i % frame->width * across + i / frame->width * down + 80 * c);
+}
+
+static StyPattern draw_pattern(uint64_t *random, size_t texel, uint8_t *texels) {
+  const StyPattern pattern = {texels, 1 + draw_below(random, 40), 1 + draw_below(random, 40)};
+  fill_random(random, texels, texel * 1600);
+  return draw_below(random, 4) ? pattern : (StyPattern){NULL, 0, 0};
+}
+
+static StyToon draw_toon(uint64_t *random, const Fixture *fixture, uint8_t *pattern) {
+  StyToon toon = {.band_count = 1 + draw_below(random, STY_MAX_BANDS),
+                  .colour_weight = draw_below(random, 257),
+                  .style = draw_below(random, 3) / 2,
+                  .pattern = draw_pattern(random, 1, pattern),
+                  .pattern_weight = draw_below(random, STY_MAX_PATTERN_WEIGHT + 1),
+                  .jitter = fixture->bundle.textures[STY_BUNDLE_JITTER].texels,
+                  .jitter_amount = draw_below(random, 256)};
+  if (draw_below(random, 4))
+    toon.cell_level = STY_MIN_CELL_LEVEL + draw_below(random, STY_MAX_CELL_LEVEL - STY_MIN_CELL_LEVEL + 1);
+  fill_random(random, toon.thresholds, sizeof toon.thresholds);
+  fill_random(random, toon.colours[0], sizeof toon.colours);
+  return toon;
+}
+
+/* Small and large weights. */
+static int draw_weight(uint64_t *random) {
+  return (int)DRAW_OF(random, 0, draw_below(random, 300), draw_below(random, STY_MAX_OUTLINE_WEIGHT + 1),
+                      STY_MAX_OUTLINE_WEIGHT);
+}
+
+static StyOutline draw_outline(uint64_t *random, uint8_t *noise) {
+  static const float tolerances[] = {0.1f, 0.75f, 2, 1e30f};
+  return (StyOutline){.silhouette_weight = draw_weight(random),
+                      .object_weight = draw_weight(random),
+                      .normal_weight = draw_weight(random),
+                      .depth_weight = draw_weight(random),
+                      .normal_tolerance = draw_below(random, 300),
+                      .depth_tolerance = tolerances[draw_below(random, 4)],
+                      .noise = draw_pattern(random, 1, noise),
+                      .noise_weight = draw_weight(random),
+                      .threshold = draw_weight(random)};
+}
+
+static StyLine draw_line(uint64_t *random, uint8_t *wobble) {
+  return (StyLine){
+      .width = (int)DRAW_OF(random, STY_MIN_LINE_WIDTH, 256 + draw_below(random, 1024),
+                            STY_MIN_LINE_WIDTH + draw_below(random, STY_MAX_LINE_WIDTH - STY_MIN_LINE_WIDTH),
+                            STY_MAX_LINE_WIDTH),
+      .wobble = draw_pattern(random, 2, wobble),
+      .wobble_amount = (int)DRAW_OF(random, 0, draw_below(random, 700), STY_MAX_WOBBLE)};
+}
+
+static void check_drawings(const Gpu *gpu, uint64_t *random, const Fixture *fixture, StyFrame *frame, Tally *tally) {
+  static uint8_t pattern[1600], noise[1600], wobble[3200];
+  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+  uint8_t *picture = allocate(pixels, 4), *lines = allocate(pixels, 1), colour[4];
+  fill_random(random, picture, 4 * pixels);
+  if (draw_below(random, 3)) bend_guide(random, frame);
+  draw_depth(random, frame);
+  Twins twins = open_twins(gpu, &fixture->bundle, frame);
+  const StyToon toon = draw_toon(random, fixture, pattern);
+  if (frame->luma) check_toon(&twins, &toon, picture), tally->bands++;
+  for (int i = 0; i < 3; i++) {
+    const StyOutline outline = draw_outline(random, noise);
+    const StyLine line = draw_line(random, wobble);
+    fill_random(random, colour, sizeof colour);
+    check_outline(&twins, &outline, &line, colour, draw_below(random, 2), picture, lines);
+    for (size_t k = 0; k < pixels; k++) tally->lines[lines[k]]++;
+  }
+  close_twins(&twins);
+  free(picture), free(lines);
 }
 
 /* All of one guide, so that pieces scatter wherever their object's surroundings let them; they come from a source that
@@ -45,15 +139,16 @@ static void check_flat_frame(const Gpu *gpu, uint64_t *random, int spread, int t
 
 static void check_drawn_frames(const char *dialect, uint64_t random) {
   static const int sides[] = {1, 2, 7, 64, 255, 256}, spreads[] = {1, 1, 2, 4, 20, 256}, holes[] = {0, 2, 10};
-  Tally tally = {{0}, {0}, 0};
+  Tally tally = {{0}, {0}, 0, 0, {0}};
   Gpu gpu = open_gpu(dialect);
   /* Few frames of each bundle: the renderer compiles a pass anew for other sizes of textures. */
   for (int round = 0; round < 20; round++) {
     const int spread = spreads[draw_below(&random, 6)], *size = frame_sizes[round % FRAME_SIZES];
     const Guides how = {draw_below(&random, 257 - spread), spread, holes[round % 3]};
     Fixture *fixture = draw_fixture(&random, &how, sides[round % 6], 1 + draw_below(&random, 4));
-    const StyFrame frame = draw_frame(&random, &how, fixture, size[0], size[1]);
+    StyFrame frame = draw_frame(&random, &how, fixture, size[0], size[1]);
     check_frame(&gpu, &fixture->bundle, &frame, &tally);
+    check_drawings(&gpu, &random, fixture, &frame, &tally);
     destroy_frame(&frame);
     destroy_fixture(fixture);
   }
@@ -65,6 +160,8 @@ static void check_drawn_frames(const char *dialect, uint64_t random) {
   assert_in_range(tally.levels[STY_LEVEL_FALLBACK], 1, SIZE_MAX);
   assert_in_range(tally.levels[STY_LEVEL_NONE], 1, SIZE_MAX);
   assert_in_range(tally.partly, 1, SIZE_MAX);
+  assert_in_range(tally.bands, 5, SIZE_MAX);
+  for (int coverage = 0; coverage < 256; coverage += 255) assert_in_range(tally.lines[coverage], 100, SIZE_MAX);
 }
 
 static void test_glsl_330(void **state) {

@@ -45,13 +45,13 @@ static inline Twins open_twins(const Gpu *gpu, const StyBundle *bundle, const St
       [UNIT_GUIDE] = frame->guide,   [UNIT_FINE] = frame->fine, [UNIT_DEPTH] = frame->depth,
       [UNIT_STYLES] = frame->styles, [UNIT_LUMA] = frame->luma, [UNIT_OBJECTS] = frame->objects,
       [UNIT_ALBEDO] = frame->albedo, [UNIT_MATCHES] = NULL};
-  for (int unit = UNIT_GUIDE; unit < UNITS; unit++)
+  for (int unit = UNIT_GUIDE; unit <= UNIT_PICTURE; unit++)
     if (unit != UNIT_ANCHORS) twins.textures[unit] = upload(unit, frame->width, frame->height, 1, inputs[unit]);
   twins.textures[UNIT_ANCHORS] = upload_anchors(frame);
   return twins;
 }
 
-static inline void close_twins(Twins *twins) { glDeleteTextures(UNITS, twins->textures); }
+static inline void close_twins(Twins *twins) { glDeleteTextures(UNIT_PICTURE + 1, twins->textures); }
 
 static inline void set_frame(const Twins *twins, int pass, const StyFrame *frame, int stride) {
   const Gpu *gpu = twins->gpu;

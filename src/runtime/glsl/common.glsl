@@ -34,6 +34,24 @@ bool has(int input_bit) { return (frame_inputs & input_bit) != 0; }
 
 ivec4 to_bytes(vec4 fractions) { return ivec4(fractions * 255.0 + 0.5); }
 
+/* Of a repeated pattern; what % does to negative numbers isn't defined. */
+ivec2 wrap(ivec2 p, ivec2 size) {
+  ivec2 below = size - 1 - (-1 - min(p, -1)) % size, above = max(p, 0) % size;
+  return ivec2(p.x < 0 ? below.x : above.x, p.y < 0 ? below.y : above.y);
+}
+
+ivec4 get_texel(sampler2D pattern, ivec2 p) {
+  return to_bytes(texelFetch(pattern, wrap(p, textureSize(pattern, 0)), 0));
+}
+
+/* The root, rounded down, of what is below 2^31; how well sqrt rounds is up to the processor. */
+int find_root(int square) {
+  int root = int(sqrt(float(square)));
+  while (root * root > square) root--;
+  while (uint(root + 1) * uint(root + 1) <= uint(square)) root++;
+  return root;
+}
+
 int sum_differences(ivec4 a, ivec4 b) {
   ivec3 differences = abs(a.xyz - b.xyz);
   return differences.x + differences.y + differences.z;
@@ -125,19 +143,20 @@ ivec2 to_source(Source source, ivec2 distance) {
 
 /* ---- seeds ---- */
 
-ivec2 get_jitter(Source source, ivec2 cell) {
-  return to_bytes(texelFetch(bundle_jitter, ivec3(cell & (JITTER_SIZE - 1), source.jitter_table), 0)).xy;
+/* A table is a layer of bundle_jitter. */
+ivec2 get_jitter(int table, ivec2 cell) {
+  return to_bytes(texelFetch(bundle_jitter, ivec3(cell & (JITTER_SIZE - 1), table), 0)).xy;
 }
 
 /* The seed nearest to p, both in the grid's coordinates. The order of the loops and the strict comparison decide
  * between seeds that are equally near. */
-ivec2 find_seed(Source source, ivec2 p, int level) {
+ivec2 find_seed(int table, int amount, ivec2 p, int level) {
   ivec2 nearest = ivec2(0);
-  int least = 0x7FFFFFFF, reach = source.jitter_amount << level;
+  int least = 0x7FFFFFFF, reach = amount << level;
   for (int dx = -1; dx <= 1; dx++)
     for (int dy = -1; dy <= 1; dy++) {
       ivec2 cell = (p >> level) + ivec2(dx, dy);
-      ivec2 seed = cell * (1 << level) + reach * get_jitter(source, cell) / (255 * 255);
+      ivec2 seed = cell * (1 << level) + reach * get_jitter(table, cell) / (255 * 255);
       ivec2 way = seed - p;
       int distance = way.x * way.x + way.y * way.y;
       if (distance < least) {

@@ -21,7 +21,7 @@ bool is_flat(ivec2 seed, int level) {
 ivec2 scatter(Source source, ivec2 seed, ivec2 in_grid, int level, ivec2 found, out ivec4 tilt) {
   tilt = ivec4(0);
   if (source.scatter == 0 || level < SCATTER_LEVEL || !is_flat(seed, level)) return found;
-  ivec2 moved = found + (2 * source.scatter + 1) * get_jitter(source, in_grid + 128) / 256 - source.scatter;
+  ivec2 moved = found + (2 * source.scatter + 1) * get_jitter(source.jitter_table, in_grid + 128) / 256 - source.scatter;
   ivec4 from = find_source_texel(source, found), to = find_source_texel(source, moved);
   if (from.a == 0 || to.a == 0) return found;
   tilt = to - from;
@@ -36,7 +36,7 @@ bool may_propose(ivec2 seed, ivec2 p) {
 uvec4 match_pixel(Source source, ivec2 p) {
   ivec2 anchor = get_anchor(p);
   for (int level = source.top_level; level >= 0; level--) {
-    ivec2 in_grid = find_seed(source, p - anchor, level), seed = in_grid + anchor;
+    ivec2 in_grid = find_seed(source.jitter_table, source.jitter_amount, p - anchor, level), seed = in_grid + anchor;
     if (!may_propose(seed, p)) continue;
     ivec4 tilt;
     ivec2 candidate = scatter(source, seed, in_grid, level, look_up(source, seed), tilt) + to_source(source, p - seed);
