@@ -1,6 +1,7 @@
 /* A real frame through every pass: shaders beside the C path, in both dialects. Writes what another reader of the
  * bundle needs to do the same: the frame's inputs as raw texels, the C path's matches and picture.
  * Usage: draw_frame BUNDLE GUIDE.exr FOLDER */
+#include "drawings.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 #include "stylut/pack.h"
@@ -104,10 +105,49 @@ static void write_frame(const char *folder, const StyFrame *frame, const StyMatc
   fclose(file);
 }
 
+/* A frame in steps of light, hatched in cells, with lines that waver. */
+static void check_drawings(const Gpu *gpu, const StyBundle *bundle, const StyFrame *frame) {
+  static const uint8_t red[4] = {200, 30, 20, 230};
+  enum { SIDE = 64 };
+  uint8_t hatch[SIDE * SIDE], wave[2 * SIDE * SIDE];
+  for (int i = 0; i < SIDE * SIDE; i++) {
+    hatch[i] = (uint8_t)(i / SIDE % 8 * 32);
+    wave[2 * i] = (uint8_t)(abs(i / SIDE - 32) * 8 - 1), wave[2 * i + 1] = (uint8_t)(abs(i % SIDE - 32) * 7 + 10);
+  }
+  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+  uint8_t *picture = allocate(pixels, 4), *lines = allocate(pixels, 1);
+  const StyToon toon = {.band_count = 3,
+                        .thresholds = {38, 128},
+                        .colours = {{60, 50, 90, 255}, {170, 140, 120, 255}, {250, 240, 220, 255}},
+                        .colour_weight = 128,
+                        .pattern = {hatch, SIDE, SIDE},
+                        .pattern_weight = 128,
+                        .cell_level = 4,
+                        .jitter = bundle->textures[STY_BUNDLE_JITTER].texels,
+                        .jitter_amount = 255};
+  const StyOutline outline = {.silhouette_weight = 256,
+                              .object_weight = 256,
+                              .normal_weight = 2,
+                              .depth_weight = 128,
+                              .normal_tolerance = 60,
+                              .depth_tolerance = 0.02f,
+                              .threshold = 128};
+  const StyLine line = {.width = 700, .wobble = {wave, SIDE, SIDE}, .wobble_amount = 512};
+  Twins twins = open_twins(gpu, bundle, frame);
+  check_toon(&twins, &toon, picture);
+  check_outline(&twins, &outline, &line, red, 1, picture, lines);
+  size_t drawn = 0;
+  for (size_t i = 0; i < pixels; i++) drawn += lines[i] > 0;
+  if (drawn < pixels / 100) give_up("only %zu pixels of the frame have lines", drawn);
+  close_twins(&twins);
+  free(picture), free(lines);
+}
+
 static void check_dialect(const char *dialect, const StyBundle *bundle, const StyFrame *frame, StyMatch *matches,
                           uint8_t *picture) {
   Gpu gpu = open_gpu(dialect);
   check_passes(&gpu, bundle, frame, matches, picture);
+  check_drawings(&gpu, bundle, frame);
   printf("%s: every pass equals its twin\n", dialect);
   close_gpu(&gpu);
 }
