@@ -155,12 +155,7 @@ static StyStatus open_workshop(Workshop *out, StyError *error) {
 
 static void close_workshop(const Workshop *workshop) {
   if (!*workshop->folder) return;
-  for (int f = 0; f <= STY_BUNDLE_FILES; f++) {
-    char *file = sty_join_path(workshop->bundle, f < STY_BUNDLE_FILES ? sty_bundle_files[f] : STY_BUNDLE_INDEX);
-    if (file) unlink(file);
-    free(file);
-  }
-  rmdir(workshop->bundle);
+  sty_remove_bundle(workshop->bundle);
   unlink(workshop->exemplar);
   unlink(workshop->manifest);
   rmdir(workshop->folder);

@@ -142,6 +142,9 @@ StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *const *exempla
 StyStatus sty_commit_bundle(StyBundleWriter **writer, const uint8_t *jitter, json_t *index, StyError *error);
 void sty_discard_bundle(StyBundleWriter **writer);
 
+/* Removes a bundle's files and their folder; stays away from anything else. */
+void sty_remove_bundle(const char *path);
+
 /* Names of the files, in the order of STY_BUNDLE_*. */
 extern const char *const sty_bundle_files[STY_BUNDLE_FILES];
 #define STY_BUNDLE_INDEX "bundle.json"

@@ -50,8 +50,7 @@ static StyStatus check_target(const char *path, StyError *error) {
   return status;
 }
 
-/* Removes a bundle's files and their folder; stays away from anything else. */
-static void remove_bundle(const char *folder) {
+void sty_remove_bundle(const char *folder) {
   for (int i = 0; i <= STY_BUNDLE_FILES + 1; i++) {
     char *file = sty_join_path(folder, i < STY_BUNDLE_FILES    ? sty_bundle_files[i]
                                        : i == STY_BUNDLE_FILES ? STY_IMPORT_SETTINGS
@@ -146,7 +145,7 @@ static StyStatus move_into_place(StyBundleFolder *folder, StyError *error) {
   if (renameat2(AT_FDCWD, folder->temporary, AT_FDCWD, folder->path, exists ? RENAME_EXCHANGE : 0) != 0)
     return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a new name or a bundle to replace",
                     folder->path, strerror(errno));
-  if (exists) remove_bundle(folder->temporary);
+  if (exists) sty_remove_bundle(folder->temporary);
   free(folder->temporary);
   folder->temporary = NULL;
   return STY_OK;
@@ -164,7 +163,7 @@ StyStatus sty_commit_bundle_folder(StyBundleFolder *folder, json_t *index, StyEr
 }
 
 void sty_discard_bundle_folder(StyBundleFolder *folder) {
-  if (folder->temporary) remove_bundle(folder->temporary);
+  if (folder->temporary) sty_remove_bundle(folder->temporary);
   free(folder->temporary);
   free(folder->path);
   *folder = (StyBundleFolder){.path = NULL};
