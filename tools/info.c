@@ -8,7 +8,7 @@
 #include "info_scene.h"
 #include "meshes.h"
 #include "options.h"
-#include "settings.h"
+#include "parameters.h"
 #include "stylut/image_io.h"
 #include "stylut/pack.h"
 #include "stylut/scene_file.h"

@@ -2,7 +2,7 @@
 #include <stdio.h>
 
 #include "commands.h"
-#include "settings.h"
+#include "parameters.h"
 
 typedef struct Arguments {
   Options options;

@@ -68,22 +68,8 @@ static StyStatus check_target(const char *path, StyError *error) {
 
 static StyStatus open_folder(Unpacking *unpacking, StyError *error) {
   const char *path = unpacking->arguments->options.output;
-  int made = -1;
-  StyStatus status = check_target(path, error);
-  if (status) return status;
-  for (unsigned attempt = 0; made != 0 && attempt < STY_TEMPORARY_ATTEMPTS; attempt++) {
-    char *name = sty_name_temporary(path, attempt);
-    made = name ? mkdir(name, 0777) : -1;
-    if (made == 0)
-      unpacking->temporary = name;
-    else
-      free(name);
-    if (made != 0 && errno != EEXIST) break;
-  }
-  return made == 0 ? STY_OK
-                   : sty_fail(error, STY_ERROR_FILE,
-                              "%s: cannot write: %s; expected a folder that exists and can be written to", path,
-                              strerror(errno));
+  const StyStatus status = check_target(path, error);
+  return status ? status : sty_make_temporary_folder(path, &unpacking->temporary, error);
 }
 
 static StyStatus commit_folder(Unpacking *unpacking, StyError *error) {

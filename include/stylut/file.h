@@ -34,11 +34,9 @@ StyStatus sty_commit_output(StyOutput *output, StyError *error);
 /* Removes the temporary; does nothing on a spent or zeroed output. */
 void sty_discard_output(StyOutput *output);
 
-/* A name for something in the making beside `path`; another for each attempt,
- * of which STY_TEMPORARY_ATTEMPTS are worth it. The caller frees it; NULL when
- * memory is short. */
-#define STY_TEMPORARY_ATTEMPTS 100
-char *sty_name_temporary(const char *path, unsigned attempt);
+/* A new folder beside `path`, for what is in the making there; the caller frees its name. STY_ERROR_FILE,
+ * STY_ERROR_LIBRARY. */
+StyStatus sty_make_temporary_folder(const char *path, char **out, StyError *error);
 
 /* Checks that `path` is a file one can read; says which of missing, a folder,
  * no permission it is otherwise. `size` may be NULL. */

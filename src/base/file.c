@@ -9,10 +9,36 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-char *sty_name_temporary(const char *path, unsigned attempt) {
+enum { ATTEMPTS = 100 };
+
+/* A name for something in the making beside `path`, less slashes at its end; another for each attempt. The caller frees
+ * it; NULL when memory is short. */
+static char *name_temporary(const char *path, unsigned attempt) {
   char *name = NULL;
+  int length = (int)strlen(path);
+  while (length > 1 && path[length - 1] == '/') length--;
   const unsigned mark = ((unsigned)getpid() * 2654435761u + attempt * 40503u) >> 8 & 0xffffffu;
-  return asprintf(&name, "%s.%06x", path, mark) < 0 ? NULL : name;
+  return asprintf(&name, "%.*s.%06x", length, path, mark) < 0 ? NULL : name;
+}
+
+StyStatus sty_make_temporary_folder(const char *path, char **out, StyError *error) {
+  int made = -1;
+  char *name = NULL;
+  for (unsigned attempt = 0; made != 0 && attempt < ATTEMPTS; attempt++) {
+    free(name);
+    name = name_temporary(path, attempt);
+    if (!name) return sty_fail_memory(error, path, 0);
+    made = mkdir(name, 0777);
+    if (made != 0 && errno != EEXIST) break;
+  }
+  if (made == 0) {
+    *out = name;
+    return STY_OK;
+  }
+  const int cause = errno;
+  free(name);
+  return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
+                  path, strerror(cause));
 }
 
 StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
@@ -22,9 +48,9 @@ StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
     return sty_fail(error, STY_ERROR_FILE, "%s: found a folder, expected a file name to write to", path);
   StyOutput output = {NULL, strdup(path), NULL};
   int descriptor = -1;
-  for (unsigned attempt = 0; output.path && descriptor < 0 && attempt < STY_TEMPORARY_ATTEMPTS; attempt++) {
+  for (unsigned attempt = 0; output.path && descriptor < 0 && attempt < ATTEMPTS; attempt++) {
     free(output.temporary);
-    output.temporary = sty_name_temporary(path, attempt);
+    output.temporary = name_temporary(path, attempt);
     descriptor = output.temporary ? open(output.temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666) : -1;
     if (descriptor < 0 && errno != EEXIST) break;
   }

@@ -61,32 +61,13 @@ void sty_remove_bundle(const char *folder) {
   rmdir(folder);
 }
 
-static StyStatus make_temporary(StyBundleFolder *folder, StyError *error) {
-  int made = -1;
-  char *name = NULL;
-  for (unsigned attempt = 0; made != 0 && attempt < STY_TEMPORARY_ATTEMPTS; attempt++) {
-    free(name);
-    name = sty_name_temporary(folder->path, attempt);
-    made = name ? mkdir(name, 0777) : -1;
-    if (made != 0 && errno != EEXIST) break;
-  }
-  if (made == 0) {
-    folder->temporary = name;
-    return STY_OK;
-  }
-  const int cause = errno;
-  free(name);
-  return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
-                  folder->path, strerror(cause));
-}
-
 StyStatus sty_open_bundle_folder(const char *path, StyBundleFolder *out, StyError *error) {
   StyBundleFolder folder = {.path = strdup(path)};
   if (!folder.path) return sty_fail_memory(error, path, (double)strlen(path));
   for (size_t length = strlen(path); length > 1 && folder.path[length - 1] == '/'; length--)
     folder.path[length - 1] = 0;
   StyStatus status = check_target(folder.path, error);
-  if (!status) status = make_temporary(&folder, error);
+  if (!status) status = sty_make_temporary_folder(folder.path, &folder.temporary, error);
   if (status)
     free(folder.path);
   else

@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "pack/folder.h"
-#include "pack/settings.h"
+#include "pack/import_settings.h"
 
 struct StyBundleWriter {
   StyBundleFolder folder;

@@ -305,7 +305,7 @@ same_textures() {
 @test "unpack: pictures and a manifest that packs to the same bytes" {
   bring blue.png red.png oil.png all.json
   accept pack all.json --jitter-frames 2 --jitter-noise blue -o bundle
-  accept unpack bundle -o files
+  accept unpack bundle -o files/
   expect files "$(ls files | tr '\n' ' ')" '001-two_lights.1.png 001-two_lights.2.png 001-two_lights.guide.png 001-two_lights.lut.png 002-a_b.guide.png 002-a_b.lut.png 002-a_b.png jitter.001.png jitter.002.png manifest.json '
   accept pack files/manifest.json -o again
   same_textures bundle again
@@ -314,7 +314,7 @@ same_textures() {
   # Tables are tables: audited as any.
   accept check files/002-a_b.lut.png --guide files/002-a_b.guide.png --max-mean 3
   mkdir empty
-  accept unpack bundle -o empty
+  accept unpack bundle -o empty/
   expect 'in an empty folder' "$(ls empty)" "$(ls files)"
   refuse 2 'expected a new name or an empty folder' unpack bundle -o files
   refuse 2 'missing' unpack missing -o new

@@ -1,4 +1,4 @@
-#include "pack/settings.h"
+#include "pack/import_settings.h"
 
 #include <stdbool.h>
 

@@ -1,4 +1,4 @@
-#include "settings.h"
+#include "parameters.h"
 
 #include <stdio.h>
 

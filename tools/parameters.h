@@ -1,6 +1,6 @@
 /* Parameters of styles on the command line: --set [STYLE.]KEY=VALUE of params and stylize, and in words. */
-#ifndef STYLUT_TOOLS_SETTINGS_H
-#define STYLUT_TOOLS_SETTINGS_H
+#ifndef STYLUT_TOOLS_PARAMETERS_H
+#define STYLUT_TOOLS_PARAMETERS_H
 
 #include "options.h"
 #include "stylut/pack.h"

@@ -1,6 +1,6 @@
 /* How engines are to import a bundle's textures. */
-#ifndef STYLUT_SRC_PACK_SETTINGS_H
-#define STYLUT_SRC_PACK_SETTINGS_H
+#ifndef STYLUT_SRC_PACK_IMPORT_SETTINGS_H
+#define STYLUT_SRC_PACK_IMPORT_SETTINGS_H
 
 #include <jansson.h>
 
