@@ -52,7 +52,7 @@ bool sty_put_parameter(const StyParameter *parameter, double value, StyStyle *st
   else if (parameter->kind == STY_PARAMETER_FLAG)
     style->flags = value != 0 ? style->flags | parameter->flag : style->flags & ~parameter->flag;
   else
-    *(float *)field = (float)value;
+    *(float *)field = (float)(value + 0); /* -0 becomes 0 */
   return true;
 }
 
