@@ -134,8 +134,8 @@ static void check_drawings(const Gpu *gpu, const StyBundle *bundle, const StyFra
                               .threshold = 128};
   const StyLine line = {.width = 700, .wobble = {wave, SIDE, SIDE}, .wobble_amount = 512};
   Twins twins = open_twins(gpu, bundle, frame);
-  check_toon(&twins, &toon, picture);
-  check_outline(&twins, &outline, &line, red, 1, picture, lines);
+  check_toon(&twins, frame, 1, &toon, picture);
+  check_outline(&twins, frame, 1, &outline, &line, red, 1, picture, lines);
   size_t drawn = 0;
   for (size_t i = 0; i < pixels; i++) drawn += lines[i] > 0;
   if (drawn < pixels / 100) give_up("only %zu pixels of the frame have lines", drawn);
