@@ -139,9 +139,8 @@ static void draw_edges(uint64_t *random, float tolerance, int pixels, float *dep
     const float specials[] = {NAN, INFINITY, -2e30f, 1000 * draw_signed(random), 1e30f};
     depth[i + 1] = 10 * draw_signed(random);
     depth[i] = depth[i + 1] - slope;
-    depth[i + 2] = depth[i + 1] + (thrice > 0 || draw_below(random, 2) ? gap : -gap);
-    for (int nudges = draw_below(random, 5); nudges > 0; nudges--)
-      depth[i + 2] = nextafterf(depth[i + 2], nudges % 2 ? 1e30f : -1e30f);
+    const float next = depth[i + 1] + (thrice > 0 || draw_below(random, 2) ? gap : -gap);
+    depth[i + 2] = nextafterf(next, next + (float)(draw_below(random, 3) - 1));
     depth[i + 3] = specials[draw_below(random, 5)];
   }
 }
