@@ -225,6 +225,24 @@ static void check_flat_frame(const Gpu *gpu, uint64_t *random, int spread, int t
   destroy_fixture(fixture);
 }
 
+/* Distances whose squares are 1 less than another's: floats round their roots up. The line's end tells them apart. */
+static void check_roots(const Gpu *gpu) {
+  enum { SIDE = 40 };
+  static const int ways[][2] = {{5868, 5556}, {6354, 5022}, {6918, 4482}, {7212, 3768}, {7452, 3648}, {8052, 684}};
+  static uint8_t contours[SIDE * SIDE], lines[SIDE * SIDE];
+  const Twins twins = {.gpu = gpu};
+  for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+    const int x = (ways[i][0] + 128) / 256, y = (ways[i][1] + 128) / 256;
+    const uint8_t rest[2] = {(uint8_t)(128 + 256 * x - ways[i][0]), (uint8_t)(128 + 256 * y - ways[i][1])};
+    memset(contours, 0, sizeof contours);
+    contours[SIDE * y + x] = 255;
+    const StyLine line = {.width = STY_MAX_LINE_WIDTH, .wobble = {rest, 1, 1}, .wobble_amount = 128};
+    const GLuint texture = check_lines(&twins, SIDE, SIDE, contours, &line, lines);
+    assert_in_range(lines[0], 1, 254);
+    glDeleteTextures(1, &texture);
+  }
+}
+
 static void check_drawn_frames(const char *dialect, uint64_t random) {
   static const int sides[] = {1, 2, 7, 64, 255, 256}, spreads[] = {1, 1, 2, 4, 20, 256}, holes[] = {0, 2, 10};
   Tally tally = {{0}, {0}, 0, 0, {0}};
@@ -246,6 +264,7 @@ static void check_drawn_frames(const char *dialect, uint64_t random) {
   check_slants(&gpu, &random);
   check_edges(&gpu, &random);
   check_widths(&gpu, &random);
+  check_roots(&gpu);
   close_gpu(&gpu);
   for (int level = 0; level <= 6; level++) assert_in_range(tally.levels[level], 1, SIZE_MAX);
   for (int layer = 0; layer < STY_MAX_LIGHTINGS; layer++) assert_in_range(tally.layers[layer], 1, SIZE_MAX);
