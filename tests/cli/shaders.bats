@@ -15,7 +15,7 @@ setup_file() {
     { "name": "charcoal", "exemplar": "$exemplars/spheres/charcoal.png", "params": { "top_level": 4, "radius": 0 } } ] }
 JSON
   "$STYLUT" pack styles.json -q -o bundle
-  "$STYLUT" guide scene "$exemplars/creature.ply" --view three-quarter -s 240x200 -c normal,depth,object,luma,albedo -q -o frame.exr
+  "$STYLUT" guide scene "$exemplars/lit/lit.json" -s 240x200 -c normal,depth,object,luma,albedo -q -o frame.exr
   mkdir frame
   "$STYLUT_BUILD/tests/shaders/draw_frame" bundle frame.exr frame >said.txt 2>&1 || true
 }
@@ -41,13 +41,17 @@ see_page() {
   expect_less 'pixels that are stylized' 10000 "$(json - r.value.covered <<<"$seen")"
   expect 'matches that differ' "$(json - r.value.matches <<<"$seen")" 0
   expect_less 'largest difference of colours' "$(json - r.value.colours <<<"$seen")" 2
+  expect_less 'pixels that have lines' 1000 "$(json - r.value.lined <<<"$seen")"
+  expect 'lines that differ' "$(json - r.value.lines <<<"$seen")" 0
+  expect_less 'largest difference of toon' "$(json - r.value.toon <<<"$seen")" 2
+  expect_less 'largest difference of lines laid on it' "$(json - r.value.laid <<<"$seen")" 2
 }
 
 # Mesa keeps to the precision that a shader asks for; SwiftShader always takes the highest.
-@test "ktx-parse and WebGL 2 on Mesa: the bundle as it is, matches and colours of the C path" {
+@test "ktx-parse and WebGL 2 on Mesa: the bundle as it is, all passes as the C path has them" {
   see_page gl-egl llvmpipe
 }
 
-@test "ktx-parse and WebGL 2 on SwiftShader: the bundle as it is, matches and colours of the C path" {
+@test "ktx-parse and WebGL 2 on SwiftShader: the bundle as it is, all passes as the C path has them" {
   see_page swiftshader SwiftShader
 }

@@ -1,5 +1,6 @@
 /* A real frame through every pass: shaders beside the C path, in both dialects. Writes what another reader of the
- * bundle needs to do the same: the frame's inputs as raw texels, the C path's matches and picture.
+ * bundle needs to do the same: the frame's inputs and patterns as raw texels, what toon shading and outlines are given,
+ * and the C path's matches, picture, toon, lines, and lines laid on the toon.
  * Usage: draw_frame BUNDLE GUIDE.exr FOLDER */
 #include "drawings.h"
 #include "stylut/guide.h"
@@ -105,49 +106,119 @@ static void write_frame(const char *folder, const StyFrame *frame, const StyMatc
   fclose(file);
 }
 
-/* A frame in steps of light, hatched in cells, with lines that waver. */
-static void check_drawings(const Gpu *gpu, const StyBundle *bundle, const StyFrame *frame) {
-  static const uint8_t red[4] = {200, 30, 20, 230};
-  enum { SIDE = 64 };
-  uint8_t hatch[SIDE * SIDE], wave[2 * SIDE * SIDE];
-  for (int i = 0; i < SIDE * SIDE; i++) {
-    hatch[i] = (uint8_t)(i / SIDE % 8 * 32);
-    wave[2 * i] = (uint8_t)(abs(i / SIDE - 32) * 8 - 1), wave[2 * i + 1] = (uint8_t)(abs(i % SIDE - 32) * 7 + 10);
-  }
-  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
-  uint8_t *picture = allocate(pixels, 4), *lines = allocate(pixels, 1);
-  const StyToon toon = {.band_count = 3,
-                        .thresholds = {38, 128},
-                        .colours = {{60, 50, 90, 255}, {170, 140, 120, 255}, {250, 240, 220, 255}},
-                        .colour_weight = 128,
-                        .pattern = {hatch, SIDE, SIDE},
-                        .pattern_weight = 128,
-                        .cell_level = 4,
-                        .jitter = bundle->textures[STY_BUNDLE_JITTER].texels,
-                        .jitter_amount = 255};
-  const StyOutline outline = {.silhouette_weight = 256,
-                              .object_weight = 256,
-                              .normal_weight = 2,
-                              .depth_weight = 128,
-                              .normal_tolerance = 60,
-                              .depth_tolerance = 0.02f,
-                              .threshold = 128};
-  const StyLine line = {.width = 700, .wobble = {wave, SIDE, SIDE}, .wobble_amount = 512};
-  Twins twins = open_twins(gpu, bundle, frame);
-  check_toon(&twins, &toon, picture);
-  check_outline(&twins, &outline, &line, red, 1, picture, lines);
-  size_t drawn = 0;
-  for (size_t i = 0; i < pixels; i++) drawn += lines[i] > 0;
-  if (drawn < pixels / 100) give_up("only %zu pixels of the frame have lines", drawn);
-  close_twins(&twins);
-  free(picture), free(lines);
+/* ---- steps of light, hatched in cells, with lines that waver ---- */
+
+enum { SIDE = 64 };
+static const uint8_t line_colour[4] = {200, 30, 20, 230};
+
+typedef struct Drawings {
+  StyToon toon;
+  StyOutline outline;
+  StyLine line;
+  uint8_t *shaded, *lines, *laid; /* what C makes of the frame */
+} Drawings;
+
+static StyPattern draw_hatch(void) {
+  static uint8_t hatch[SIDE * SIDE];
+  for (int i = 0; i < SIDE * SIDE; i++) hatch[i] = (uint8_t)(i / SIDE % 8 * 32);
+  return (StyPattern){hatch, SIDE, SIDE};
 }
 
+static StyPattern draw_wave(void) {
+  static uint8_t wave[2 * SIDE * SIDE];
+  for (int i = 0; i < SIDE * SIDE; i++)
+    wave[2 * i] = (uint8_t)(abs(i / SIDE - 32) * 7 + 10), wave[2 * i + 1] = (uint8_t)(abs(i % SIDE - 32) * 7 + 10);
+  return (StyPattern){wave, SIDE, SIDE};
+}
+
+static Drawings make_drawings(const StyBundle *bundle, size_t pixels) {
+  return (Drawings){.toon = {.band_count = 3,
+                             .thresholds = {38, 128},
+                             .colours = {{60, 50, 90, 255}, {170, 140, 120, 255}, {250, 240, 220, 255}},
+                             .colour_weight = 128,
+                             .pattern = draw_hatch(),
+                             .pattern_weight = 128,
+                             .cell_level = 4,
+                             .jitter = bundle->textures[STY_BUNDLE_JITTER].texels,
+                             .jitter_amount = 255},
+                    .outline = {.silhouette_weight = 256,
+                                .object_weight = 256,
+                                .normal_weight = 2,
+                                .depth_weight = 128,
+                                .normal_tolerance = 60,
+                                .depth_tolerance = 0.02f,
+                                .threshold = 128},
+                    .line = {.width = 700, .wobble = draw_wave(), .wobble_amount = 512},
+                    .shaded = allocate(pixels, 4),
+                    .lines = allocate(pixels, 1),
+                    .laid = allocate(pixels, 4)};
+}
+
+static void destroy_drawings(Drawings *drawings) {
+  free(drawings->shaded);
+  free(drawings->lines);
+  free(drawings->laid);
+}
+
+static void check_drawings(const Gpu *gpu, const StyBundle *bundle, const StyFrame *frame, const Drawings *drawings) {
+  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+  Twins twins = open_twins(gpu, bundle, frame);
+  check_toon(&twins, frame, 1, &drawings->toon, drawings->shaded);
+  memcpy(drawings->laid, drawings->shaded, 4 * pixels);
+  check_outline(&twins, frame, 1, &drawings->outline, &drawings->line, line_colour, 1, drawings->laid, drawings->lines);
+  size_t drawn = 0, dark = 0, light = 0;
+  for (size_t i = 0; i < pixels; i++) {
+    drawn += drawings->lines[i] > 0;
+    dark += frame->guide[4 * i + 3] > 0 && frame->luma[i] < drawings->toon.thresholds[0];
+    light += frame->guide[4 * i + 3] > 0 && frame->luma[i] >= drawings->toon.thresholds[1];
+  }
+  if (drawn < pixels / 100 || dark < pixels / 100 || light < pixels / 100)
+    give_up("only %zu pixels of the frame have lines, %zu are dark, %zu are light", drawn, dark, light);
+  close_twins(&twins);
+}
+
+static void write_bytes(FILE *file, const char *name, int count, const uint8_t *bytes) {
+  fprintf(file, "\"%s\": [", name);
+  for (int i = 0; i < count; i++) fprintf(file, i ? ", %d" : "%d", bytes[i]);
+  fprintf(file, "],\n");
+}
+
+/* Uniforms by their names; those that aren't there are 0. */
+static void write_uniforms(const char *folder, const Drawings *drawings) {
+  const StyToon *toon = &drawings->toon;
+  const StyOutline *outline = &drawings->outline;
+  FILE *file = create(folder, "uniforms.json");
+  fprintf(file, "{\"toon_band_count\": %d, \"toon_colour_weight\": %d, \"toon_pattern_weight\": %d,\n",
+          toon->band_count, toon->colour_weight, toon->pattern_weight);
+  fprintf(file, "\"toon_cell_level\": %d, \"toon_jitter_amount\": %d,\n", toon->cell_level, toon->jitter_amount);
+  write_bytes(file, "toon_thresholds", STY_MAX_BANDS - 1, toon->thresholds);
+  write_bytes(file, "toon_colours", 4 * STY_MAX_BANDS, toon->colours[0]);
+  fprintf(file, "\"outline_silhouette_weight\": %d, \"outline_object_weight\": %d, \"outline_normal_weight\": %d,\n",
+          outline->silhouette_weight, outline->object_weight, outline->normal_weight);
+  fprintf(file, "\"outline_depth_weight\": %d, \"outline_normal_tolerance\": %d, \"outline_depth_tolerance\": %.9g,\n",
+          outline->depth_weight, outline->normal_tolerance, (double)outline->depth_tolerance);
+  write_bytes(file, "lay_colour", 4, line_colour);
+  fprintf(file, "\"outline_threshold\": %d, \"line_width\": %d, \"line_wobble_amount\": %d, \"lay_beyond\": 1}\n",
+          outline->threshold, drawings->line.width, drawings->line.wobble_amount);
+  fclose(file);
+}
+
+static void write_drawings(const char *folder, const Drawings *drawings, size_t pixels) {
+  write_raw(folder, "toon_pattern", drawings->toon.pattern.texels, SIDE * SIDE);
+  write_raw(folder, "line_wobble", drawings->line.wobble.texels, 2 * SIDE * SIDE);
+  write_raw(folder, "toon", drawings->shaded, 4 * pixels);
+  write_raw(folder, "lines", drawings->lines, pixels);
+  write_raw(folder, "laid", drawings->laid, 4 * pixels);
+  write_uniforms(folder, drawings);
+}
+
+/* ---- all of it ---- */
+
 static void check_dialect(const char *dialect, const StyBundle *bundle, const StyFrame *frame, StyMatch *matches,
-                          uint8_t *picture) {
+                          uint8_t *picture, const Drawings *drawings) {
   Gpu gpu = open_gpu(dialect);
   check_passes(&gpu, bundle, frame, matches, picture);
-  check_drawings(&gpu, bundle, frame);
+  check_drawings(&gpu, bundle, frame, drawings);
   printf("%s: every pass equals its twin\n", dialect);
   close_gpu(&gpu);
 }
@@ -162,9 +233,12 @@ int main(int argc, char **argv) {
   const StyFrame frame = make_frame(image, (int)loaded.bundle.textures[STY_BUNDLE_PARAMS].width);
   StyMatch *matches = allocate(sty_count_pixels(image), sizeof *matches);
   uint8_t *picture = allocate(sty_count_pixels(image), 4);
-  check_dialect("330", &loaded.bundle, &frame, matches, picture);
-  check_dialect("es300", &loaded.bundle, &frame, matches, picture);
+  Drawings drawings = make_drawings(&loaded.bundle, sty_count_pixels(image));
+  check_dialect("330", &loaded.bundle, &frame, matches, picture, &drawings);
+  check_dialect("es300", &loaded.bundle, &frame, matches, picture, &drawings);
   write_frame(argv[3], &frame, matches, picture);
+  write_drawings(argv[3], &drawings, sty_count_pixels(image));
+  destroy_drawings(&drawings);
   free(matches);
   free(picture);
   destroy_frame(&frame);

@@ -117,25 +117,32 @@ static inline void *take_half(const StyFrame *frame, const void *input, size_t s
   return half;
 }
 
-/* The shader takes every second texel by itself. */
-static inline void check_half(const Twins *twins) {
-  const StyFrame *frame = twins->frame;
+static inline StyFrame take_half_frame(const StyFrame *frame) {
   StyFrame half = *frame;
   half.width = (frame->width + 1) / 2, half.height = (frame->height + 1) / 2, half.resolution--;
+  half.guide = take_half(frame, frame->guide, 4), half.fine = take_half(frame, frame->fine, 2 * sizeof *frame->fine);
+  half.depth = take_half(frame, frame->depth, sizeof *frame->depth), half.styles = take_half(frame, frame->styles, 1);
+  half.objects = take_half(frame, frame->objects, sizeof *frame->objects);
+  half.luma = take_half(frame, frame->luma, 1), half.albedo = take_half(frame, frame->albedo, 4);
+  return half;
+}
+
+static inline void destroy_half_frame(const StyFrame *half) {
+  free((void *)half->guide), free((void *)half->fine), free((void *)half->depth), free((void *)half->styles);
+  free((void *)half->objects), free((void *)half->luma), free((void *)half->albedo);
+}
+
+/* The shader takes every second texel by itself. */
+static inline void check_half(const Twins *twins) {
+  const StyFrame *frame = twins->frame, half = take_half_frame(frame);
   const StyRect all = {0, 0, frame->width, frame->height}, half_all = {0, 0, half.width, half.height};
-  uint8_t *guide = take_half(frame, frame->guide, 4), *styles = take_half(frame, frame->styles, 1),
-          *luma = take_half(frame, frame->luma, 1);
-  float *fine = take_half(frame, frame->fine, 2 * sizeof *fine);
-  uint16_t *objects = take_half(frame, frame->objects, sizeof *objects);
-  half.guide = guide, half.styles = styles, half.luma = luma, half.fine = fine, half.objects = objects;
-  half.depth = NULL, half.albedo = NULL;
   StyMatch *half_matches = allocate((size_t)half.width * (size_t)half.height, sizeof *half_matches);
   StyMatch *matches = allocate((size_t)frame->width * (size_t)frame->height, sizeof *matches);
   require_ok(sty_transfer_frame(twins->bundle, &half, half_all, half_matches));
   require_ok(sty_expand_matches(twins->bundle, &half, half_matches, frame, all, matches));
   check_matches(twins, PASS_TRANSFER, UNIT_HALF_MATCHES, &half, 2, half_matches);
   check_matches(twins, PASS_EXPAND, UNIT_MATCHES, frame, 1, matches);
-  free(guide), free(styles), free(luma), free(fine), free(objects), free(half_matches), free(matches);
+  free(half_matches), free(matches), destroy_half_frame(&half);
 }
 
 /* ---- pictures ---- */

@@ -6,29 +6,33 @@ uniform sampler2D outline_noise; /* R8 */
 layout(location = 0) out float contour;
 
 const int MAX_GAP_GRADE = 8;
-const float MAX_DEPTH = 1e30;
+const int MAX_DEPTH = 0x7149F2CA; /* the bits of 1e30; those of larger numbers and of NaN are more */
 
 bool is_covered(ivec2 p) { return get_guide(p).a > 0; }
+
+/* The number itself, by way of bits that a compiler cannot know: it is rounded here, whatever could be fused or put in
+ * another order. frame_stride is 1 or 2. */
+float pin(float value) { return intBitsToFloat(floatBitsToInt(value) | (frame_stride & 4)); }
+
+float subtract(float a, float b) { return pin(a - b); }
 
 /* Whether a place has a depth, and which. */
 bool find_depth(ivec2 p, out float depth) {
   depth = 0.0;
   if (!has(HAS_DEPTH) || !contains_pixel(p)) return false;
   depth = texelFetch(frame_depth, p * frame_stride, 0).r;
-  return is_covered(p) && !is_nan(depth) && abs(depth) <= MAX_DEPTH;
+  return is_covered(p) && (floatBitsToInt(depth) & 0x7FFFFFFF) <= MAX_DEPTH;
 }
 
-/* By how much the neighbour lies behind what the surfaces' slopes let expect; 0 or less where nothing is to be said.
- * Thrice the slope is added up: its double is exact, so that however operations are fused, each is rounded once. */
+/* By how much the neighbour lies behind what the surfaces' slopes let expect; 0 or less where nothing is to be said. */
 float find_gap(ivec2 p, ivec2 direction) {
   float here, next, before, beyond;
   if (!find_depth(p, here) || !find_depth(p + direction, next)) return 0.0;
   bool has_before = find_depth(p - direction, before), has_beyond = find_depth(p + 2 * direction, beyond);
   if (!has_before && !has_beyond) return 0.0;
-  float slope = has_before ? abs(here - before) : abs(beyond - next);
-  if (has_beyond) slope = min(slope, abs(beyond - next));
-  float thrice = slope + slope + slope;
-  return next - here - thrice;
+  float slope = abs(has_before ? subtract(here, before) : subtract(beyond, next));
+  if (has_beyond) slope = min(slope, abs(subtract(beyond, next)));
+  return subtract(subtract(next, here), pin(3.0 * slope));
 }
 
 int grade_gap(ivec2 p, ivec2 direction) {
@@ -42,7 +46,7 @@ int grade_gap(ivec2 p, ivec2 direction) {
 bool owns_border(ivec2 p, ivec2 direction) {
   float here, there;
   bool has_here = find_depth(p, here), has_there = find_depth(p + direction, there);
-  if (has_here && has_there && abs(here - there) > outline_depth_tolerance) return here < there;
+  if (has_here && has_there && abs(subtract(here, there)) > outline_depth_tolerance) return here < there;
   int own = get_object(p), other = get_object(p + direction);
   return own != other ? own > other : direction.x + direction.y > 0;
 }
