@@ -194,62 +194,6 @@ static StyStatus check_jitter(Packing *packing) {
   return check_needs(&packing->arguments->options, needs, 2);
 }
 
-static StyStatus record_inputs(const Packing *packing, const json_t *names, StyError *error) {
-  StyStatus status = STY_OK;
-  for (size_t i = 0; !status && i < sty_count_manifest_names(names); i++)
-    status = record_input(packing, sty_get_manifest_name(names, i), error);
-  return status;
-}
-
-/* How the bundle came about: the command, and every file that the manifest names; what a scene names joins them when it
- * is read. */
-static StyStatus begin_history(Packing *packing, json_t *index, StyError *error) {
-  char hash[STY_HASH_SIZE];
-  const StyManifest *manifest = &packing->manifest;
-  StyStatus status = sty_hash_file(packing->arguments->manifest, hash, error);
-  if (status) return status;
-  packing->inputs = json_object();
-  json_object_set_new(index, "history",
-                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&packing->arguments->options, "pack"),
-                                "manifest", hash, "inputs", packing->inputs));
-  status = record_inputs(packing, manifest->jitter, error);
-  for (int i = 0; !status && i < manifest->style_count; i++) {
-    const StyManifestStyle *style = &manifest->styles[i];
-    for (int k = 0; !status && k < style->parameters.layer_count; k++)
-      status = record_input(packing, style->exemplars[k], error);
-    if (!status && strcmp(style->guide, "sphere") != 0) status = record_input(packing, style->guide, error);
-    if (!status) status = record_input(packing, style->lut_file, error);
-    if (!status) status = record_inputs(packing, style->lut_frames, error);
-  }
-  return status;
-}
-
-static json_t *describe_jitter(const Packing *packing) {
-  if (packing->manifest.jitter) return json_pack("{s:O}", "files", packing->manifest.jitter);
-  return json_pack("{s:i, s:s, s:I}", "tables", packing->arguments->jitter_frames, "noise",
-                   sty_noise_names[packing->arguments->jitter_noise], "seed",
-                   (json_int_t)packing->arguments->options.seed);
-}
-
-/* What the index says of one style, whose `layer` is the first of its own. */
-static json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer) {
-  const StyManifestStyle *style = &packing->manifest.styles[number];
-  json_t *exemplars = json_array();
-  for (int i = 0; i < parameters->layer_count; i++)
-    json_array_append_new(exemplars,
-                          json_pack("{s:s, s:f}", "file", style->exemplars[i], "luma", (double)parameters->luma[i]));
-  json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling",
-                          parameters->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre",
-                          style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
-  if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));
-  json_t *out =
-      json_pack("{s:i, s:s, s:o, s:[ii], s:s, s:o, s:o, s:[ii]}", "id", number + 1, "name", style->name, "exemplars",
-                exemplars, "size", packing->sizes[number].width, packing->sizes[number].height, "guide", style->guide,
-                "lut", lut, "params", sty_describe_parameters(parameters), "layers", layer, parameters->layer_count);
-  if (style->base > 0) json_object_set_new(out, "base", json_real(style->base));
-  return out;
-}
-
 static StyBundleShape get_shape(const Packing *packing) {
   StyBundleShape shape = {.width = packing->size.width,
                           .height = packing->size.height,

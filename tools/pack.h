@@ -50,8 +50,16 @@ StyStatus read_bytes(const char *path, uint8_t **bytes, Size *size, StyError *er
 /* A file of the manifest; the caller frees it. NULL, with *error, when memory is short. */
 char *find_file(const Packing *packing, const char *name, StyError *error);
 
+/* Begins the index's history: the command, and every file that the manifest names; what a scene names joins them when
+ * it is read. */
+StyStatus begin_history(Packing *packing, json_t *index, StyError *error);
+
 /* Adds the hash of a file to the history, once; NULL is none. */
 StyStatus record_input(const Packing *packing, const char *name, StyError *error);
+
+/* What the index says of one style, whose `layer` is the first of its own, and of the jitter tables. */
+json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer);
+json_t *describe_jitter(const Packing *packing);
 
 /* Fills lut_size: what sizes, tables and budgets of the styles come down to. STY_CHECK_FAILED where a budget can't be
  * met. */

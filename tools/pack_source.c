@@ -13,16 +13,6 @@ char *find_file(const Packing *packing, const char *name, StyError *error) {
   return path;
 }
 
-StyStatus record_input(const Packing *packing, const char *name, StyError *error) {
-  char hash[STY_HASH_SIZE];
-  if (!packing->inputs || !name || json_object_get(packing->inputs, name)) return STY_OK;
-  char *path = find_file(packing, name, error);
-  const StyStatus status = path ? sty_hash_file(path, hash, error) : STY_ERROR_LIBRARY;
-  if (!status) json_object_set_new(packing->inputs, name, json_string(hash));
-  free(path);
-  return status;
-}
-
 static bool is_equal(Size a, Size b) { return a.width == b.width && a.height == b.height; }
 
 /* ---- sizes ---- */

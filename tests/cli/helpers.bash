@@ -46,7 +46,7 @@ expect_holds() { [[ $2 == *"$3"* ]] || complain "$1: found '$2', expected it to 
 expect_match() { [[ $2 =~ $3 ]] || complain "$1: found '$2', expected it to match '$3'"; }
 
 # expect_less WHAT A B: A < B as numbers
-expect_less() { [ -n "$2" ] && [ -n "$3" ] && awk -v a="$2" -v b="$3" 'BEGIN { exit !(a + 0 < b + 0) }' || complain "$1: found $2, expected less than $3"; }
+expect_less() { awk -v a="$2" -v b="$3" 'BEGIN { exit !(a != "" && b != "" && a + 0 < b + 0) }' || complain "$1: found '$2', expected less than '$3'"; }
 
 expect_same() { cmp -s "$1" "$2" || complain "$1 and $2 differ, expected the same bytes"; }
 expect_other() { ! cmp -s "$1" "$2" || complain "$1 and $2 hold the same bytes, expected a difference"; }
