@@ -170,13 +170,14 @@ static StyStatus draw_jitters(const Packing *packing, int count, uint8_t *tables
   return status;
 }
 
-/* The tables of the manifest, or drawn ones; the caller frees them. */
+/* The tables of the manifest, or drawn ones (not in a dry run); the caller frees them. */
 static StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error) {
   const json_t *files = packing->manifest.jitter;
   const int count = count_jitters(packing);
   uint8_t *tables = malloc((size_t)count * STY_JITTER_BYTES);
   if (!tables) return sty_fail_memory(error, "jitter", (double)count * STY_JITTER_BYTES);
-  StyStatus status = files ? STY_OK : draw_jitters(packing, count, tables, error);
+  StyStatus status =
+      files || packing->arguments->options.dry_run ? STY_OK : draw_jitters(packing, count, tables, error);
   for (int i = 0; files && !status && i < count; i++)
     status = read_jitter(packing, sty_get_manifest_name(files, (size_t)i), tables + i * STY_JITTER_BYTES, error);
   if (status)
