@@ -98,14 +98,18 @@ static StyStatus write_texture(const StyLoadedBundle *bundle, const StyBundleFol
   return status;
 }
 
-StyStatus sty_save_parameters(const char *path, const StyLoadedBundle *bundle, StyError *error) {
+StyStatus sty_save_parameters(const char *name, const StyLoadedBundle *bundle, StyError *error) {
   StyBundleFolder folder = {.path = NULL};
-  StyStatus status = sty_open_bundle_folder(path, &folder, error);
+  char *path = realpath(name, NULL); /* links to a bundle stay */
+  StyStatus status =
+      path ? sty_open_bundle_folder(path, &folder, error)
+           : sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a bundle folder", name, strerror(errno));
   for (int i = 0; !status && i < STY_BUNDLE_FILES; i++)
     if (i != STY_BUNDLE_PARAMS) status = link_file(path, &folder, sty_bundle_files[i], error);
   if (!status) status = link_file(path, &folder, STY_IMPORT_SETTINGS, error);
   if (!status) status = write_texture(bundle, &folder, error);
   if (!status) status = sty_commit_bundle_folder(&folder, bundle->index.root, error);
   sty_discard_bundle_folder(&folder);
+  free(path);
   return status;
 }

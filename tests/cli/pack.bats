@@ -263,6 +263,11 @@ same_textures() {
   expect_same edited.png set.png
   expect_other edited.png unset.png
   expect 'folders' "$(find . -maxdepth 1 -type d -name '.*' ! -name . | wc -l)" 0
+  ln -s bundle link
+  accept params link/ --set threshold=77
+  accept params bundle
+  expect_holds 'through a link' "$output" "1 'two.lights': threshold 77"
+  [ -L link ] || complain 'the link is gone'
 }
 
 @test "params that can't be are refused, and nothing changes" {
