@@ -311,12 +311,14 @@ static StyStatus run(PackArguments *arguments) {
   Packing *packing = calloc(1, sizeof *packing);
   if (!packing) return sty_fail_memory(error, arguments->manifest, sizeof *packing);
   packing->arguments = arguments;
+  packing->guides = json_object();
   StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
   if (!status) status = check_engines(&packing->manifest, error);
   if (!status) status = check_jitter(packing);
   if (!status) status = pack(packing, error);
   if (!status) status = print_report(&arguments->options, packing, sty_get_milliseconds() - start, error);
   sty_close_manifest(&packing->manifest);
+  json_decref(packing->guides);
   free(packing);
   return status;
 }

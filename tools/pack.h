@@ -28,6 +28,7 @@ typedef struct Packing {
   Size sizes[STY_MAX_STYLES]; /* of each style's exemplars, as their files have them */
   Size size;                  /* that all have in the bundle */
   int lut_size;
+  json_t *guides; /* names of guide files that were read, and warned of where that is due */
   json_t *inputs; /* of the history: hashes by names; NULL: none is kept */
 } Packing;
 

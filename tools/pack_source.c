@@ -173,6 +173,15 @@ static StyStatus trace_scene(const Packing *packing, const char *path, Size size
   return status;
 }
 
+/* Styles may share a guide, which is warned of once. */
+static StyStatus read_guide_file(const Packing *packing, const char *name, const char *path, StyImage **out,
+                                 StyError *error) {
+  Options options = packing->arguments->options;
+  options.quiet = options.quiet || json_object_get(packing->guides, name);
+  json_object_set_new(packing->guides, name, json_true());
+  return read_guide(&options, path, out, error);
+}
+
 /* The guide as it is, of the size asked for; files have that of their exemplar. */
 static StyStatus make_guide(const Packing *packing, const StyManifestStyle *style, Size size, StyImage **out,
                             StyError *error) {
@@ -181,7 +190,7 @@ static StyStatus make_guide(const Packing *packing, const StyManifestStyle *styl
   if (!path) return STY_ERROR_LIBRARY;
   const bool is_scene = sty_is_scene_file(path);
   StyStatus status = is_scene ? trace_scene(packing, path, size, out, error)
-                              : read_guide(&packing->arguments->options, path, out, error);
+                              : read_guide_file(packing, style->guide, path, out, error);
   if (!status && !is_equal((Size){(*out)->width, (*out)->height}, size)) {
     status =
         sty_fail(error, STY_ERROR_INPUT,
