@@ -332,14 +332,16 @@ typedef struct StyOutline {
  *
  * Border term, neighbour q: not covered: silhouette_weight. Covered, and the border p's: object_weight, if the objects
  * differ, + normal_weight * max(0, D - normal_tolerance), D = sum of absolute byte differences of their guides; else 0.
- * A border is the nearer pixel's, if both have a depth and these differ by more than the tolerance; else that of the
- * larger object id; else the left or upper pixel's. So lines are one pixel thin, and in front.
+ * A border is p's where the gap from p to q (below) is more than the tolerance, q's where that from q to p is; else
+ * that of the larger object id; else the left or upper pixel's. So lines are one pixel thin, in front, and whole where
+ * surfaces cut through each other.
  *
  * Depth term: depth_weight * the largest grade of the four. A pixel has a depth when it is covered, and that is a
- * number within STY_MAX_DEPTH of 0. The gap to q is z(q) - z(p) - 3 * slope, slope = the least of |z(p) - z(b)|, b
- * beyond p, and |z(e) - z(q)|, e beyond q, of those that have a depth; no slope or no z(q), no gap. Planes have none,
- * however they slant. The grade is the number of i in 0..STY_MAX_GAP_GRADE-1 with gap > 2^i * depth_tolerance. Float
- * arithmetic, each operation rounded; subtract z(p) first. */
+ * number within STY_MAX_DEPTH of 0. The gap to q is z(q) - z(p) - max(3 * slope, z(p) - z(b)), slope = the least of
+ * |z(p) - z(b)|, b beyond p, and |z(e) - z(q)|, e beyond q, of those that have a depth; no slope or no z(q), no gap.
+ * Planes have none, however they slant, nor have surfaces where others cut through them. The grade is the number of i
+ * in 0..STY_MAX_GAP_GRADE-1 with gap > 2^i * depth_tolerance. Float arithmetic, each operation rounded; subtract z(p)
+ * before what is in brackets. */
 StyRuntimeStatus sty_find_contours(const StyFrame *frame, const StyOutline *outline, StyRect rect, uint8_t *contours);
 
 typedef struct StyLine {

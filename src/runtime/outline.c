@@ -16,7 +16,8 @@ static bool find_depth(const StyFrame *frame, int x, int y, float *out) {
 
 static float measure_step(float a, float b) { return a > b ? a - b : b - a; }
 
-/* By how much the neighbour in a direction lies behind what the surfaces' slopes let expect. */
+/* By how much the neighbour in a direction lies behind what the surfaces' slopes let expect. One that goes on falling
+ * away as it does before is still seen where another cuts through it. */
 static bool find_gap(const StyFrame *frame, int x, int y, Point direction, float *gap) {
   float here, next, before, beyond;
   const int dx = direction.x, dy = direction.y;
@@ -26,7 +27,9 @@ static bool find_gap(const StyFrame *frame, int x, int y, Point direction, float
   if (!has_before && !has_beyond) return false;
   float slope = has_before ? measure_step(here, before) : measure_step(beyond, next);
   if (has_before && has_beyond && measure_step(beyond, next) < slope) slope = measure_step(beyond, next);
-  *gap = next - here - 3 * slope;
+  slope *= 3;
+  if (has_before && here - before > slope) slope = here - before;
+  *gap = next - here - slope;
   return true;
 }
 
@@ -42,13 +45,17 @@ static int grade_gap(const StyFrame *frame, const StyOutline *outline, int x, in
   return most;
 }
 
-/* Which of two covered neighbours has the line between them. */
+static bool is_behind(const StyFrame *frame, const StyOutline *outline, int x, int y, Point direction) {
+  float gap;
+  return find_gap(frame, x, y, direction, &gap) && gap > outline->depth_tolerance;
+}
+
+/* Which of two covered neighbours has the line between them. Gaps, not depths, tell what stands before what: where
+ * surfaces cut through each other, depths differ this way and that from pixel to pixel. */
 static bool owns_border(const StyFrame *frame, const StyOutline *outline, int x, int y, Point direction) {
   const int to_x = x + direction.x, to_y = y + direction.y;
-  float here, there;
-  if (find_depth(frame, x, y, &here) && find_depth(frame, to_x, to_y, &there) &&
-      measure_step(here, there) > outline->depth_tolerance)
-    return here < there;
+  if (is_behind(frame, outline, x, y, direction)) return true;
+  if (is_behind(frame, outline, to_x, to_y, (Point){-direction.x, -direction.y})) return false;
   const int own = get_object(frame, get_pixel_index(frame, x, y));
   const int other = get_object(frame, get_pixel_index(frame, to_x, to_y));
   return own != other ? own > other : direction.x + direction.y > 0;

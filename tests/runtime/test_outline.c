@@ -22,15 +22,18 @@ static float ask_depth(const StyFrame *frame, int x, int y) {
 
 static const int directions[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
 
+/* NaN, which is greater than nothing, where there is none. */
+static float expect_gap(const StyFrame *frame, int x, int y, int dx, int dy) {
+  const float p = ask_depth(frame, x, y), q = ask_depth(frame, x + dx, y + dy);
+  const float before = ask_depth(frame, x - dx, y - dy), beyond = ask_depth(frame, x + 2 * dx, y + 2 * dy);
+  /* fminf and fmaxf pass over NaN */
+  return q - p - fmaxf(3 * fminf(fabsf(p - before), fabsf(beyond - q)), p - before);
+}
+
 static int expect_grade(const StyFrame *frame, const StyOutline *outline, int x, int y) {
   int most = 0;
   for (int d = 0; d < 4; d++) {
-    const int dx = directions[d][0], dy = directions[d][1];
-    const float p = ask_depth(frame, x, y), q = ask_depth(frame, x + dx, y + dy);
-    /* fminf passes over NaN */
-    const float slope =
-        fminf(fabsf(p - ask_depth(frame, x - dx, y - dy)), fabsf(ask_depth(frame, x + 2 * dx, y + 2 * dy) - q));
-    const float gap = q - p - 3 * slope;
+    const float gap = expect_gap(frame, x, y, directions[d][0], directions[d][1]);
     int grade = 0;
     for (int i = 0; i < 8; i++) grade += gap > ldexpf(outline->depth_tolerance, i);
     if (grade > most) most = grade;
@@ -45,10 +48,10 @@ static int expect_border(const StyFrame *frame, const StyOutline *outline, int x
   const uint8_t *a = frame->guide + 4 * at(frame, x, y), *b = frame->guide + 4 * at(frame, qx, qy);
   const int own = frame->objects ? frame->objects[at(frame, x, y)] : 0;
   const int other = frame->objects ? frame->objects[at(frame, qx, qy)] : 0;
-  const float p = ask_depth(frame, x, y), q = ask_depth(frame, qx, qy);
   bool is_ours = qx > x || qy > y;
   if (own != other) is_ours = own > other;
-  if (fabsf(p - q) > outline->depth_tolerance) is_ours = p < q;
+  if (expect_gap(frame, qx, qy, -direction[0], -direction[1]) > outline->depth_tolerance) is_ours = false;
+  if (expect_gap(frame, x, y, direction[0], direction[1]) > outline->depth_tolerance) is_ours = true;
   if (!is_ours) return 0;
   const int bend = abs(a[0] - b[0]) + abs(a[1] - b[1]) + abs(a[2] - b[2]) - outline->normal_tolerance;
   return (own != other ? outline->object_weight : 0) + (bend > 0 ? bend * outline->normal_weight : 0);
@@ -153,6 +156,43 @@ static void test_planes_and_steps(void **state) {
     assert_int_equal(sty_find_contours(&frame, &outline, all, contours), STY_RUNTIME_OK);
     for (int i = 0; i < SIDE * SIDE; i++) assert_int_equal(contours[i], kind == 2 && i % SIDE == 20 ? 255 : 0);
   }
+}
+
+/* Where balls cut through each other, all of the line is the larger id's, to both its ends. */
+static void test_cuts_are_one_line(void **state) {
+  (void)state;
+  enum { SIDE = 128, COVERED = 255 };
+  static const float balls[2][4] = {{45, 60, 0, 40}, {80, 70, -6, 42}}; /* x, y, z, radius */
+  uint8_t guide[4 * SIDE * SIDE] = {0}, contours[SIDE * SIDE];
+  uint16_t objects[SIDE * SIDE] = {0};
+  float depth[SIDE * SIDE];
+  for (int i = 0; i < SIDE * SIDE; i++) {
+    depth[i] = INFINITY;
+    for (int b = 0; b < 2; b++) {
+      const float dx = (float)(i % SIDE) - balls[b][0], dy = (float)(i / SIDE) - balls[b][1];
+      const float rest = balls[b][3] * balls[b][3] - dx * dx - dy * dy;
+      if (rest < 0 || balls[b][2] - sqrtf(rest) >= depth[i]) continue;
+      depth[i] = balls[b][2] - sqrtf(rest);
+      objects[i] = (uint16_t)(1 + b);
+      guide[4 * i + 3] = COVERED;
+    }
+  }
+  const StyFrame frame = {.width = SIDE, .height = SIDE, .guide = guide, .depth = depth, .objects = objects};
+  const StyOutline outline = {.object_weight = 1, .depth_weight = 1, .depth_tolerance = 0.2f};
+  assert_int_equal(sty_find_contours(&frame, &outline, (StyRect){0, 0, SIDE, SIDE}, contours), STY_RUNTIME_OK);
+  int length = 0, more = 0;
+  for (int y = 1; y + 1 < SIDE; y++)
+    for (int x = 1; x + 1 < SIDE; x++) {
+      const int i = y * SIDE + x;
+      const bool borders = objects[i] == 2 && (objects[i - 1] == 1 || objects[i + 1] == 1 || objects[i - SIDE] == 1 ||
+                                               objects[i + SIDE] == 1);
+      if (borders && !contours[i]) fail_msg("(%d, %d): found no line", x, y);
+      if (objects[i] == 1) assert_int_equal(contours[i], 0);
+      length += borders;
+      more += contours[i] && !borders; /* where the nearer ball is about to hide the other */
+    }
+  assert_in_range(length, 50, 150);
+  assert_in_range(more, 0, length / 10);
 }
 
 /* ---- lines ---- */
@@ -386,6 +426,7 @@ static void test_bad_arguments(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_contours_equal_the_formula),
                                      cmocka_unit_test(test_planes_and_steps),
+                                     cmocka_unit_test(test_cuts_are_one_line),
                                      cmocka_unit_test(test_lines_equal_a_search),
                                      cmocka_unit_test(test_rectangles_need_what_is_said),
                                      cmocka_unit_test(test_widths),

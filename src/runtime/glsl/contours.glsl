@@ -32,7 +32,9 @@ float find_gap(ivec2 p, ivec2 direction) {
   if (!has_before && !has_beyond) return 0.0;
   float slope = abs(has_before ? subtract(here, before) : subtract(beyond, next));
   if (has_beyond) slope = min(slope, abs(subtract(beyond, next)));
-  return subtract(subtract(next, here), pin(3.0 * slope));
+  slope = pin(3.0 * slope);
+  if (has_before) slope = max(slope, subtract(here, before));
+  return subtract(subtract(next, here), slope);
 }
 
 int grade_gap(ivec2 p, ivec2 direction) {
@@ -44,9 +46,8 @@ int grade_gap(ivec2 p, ivec2 direction) {
 
 /* Which of two covered neighbours has the line between them. */
 bool owns_border(ivec2 p, ivec2 direction) {
-  float here, there;
-  bool has_here = find_depth(p, here), has_there = find_depth(p + direction, there);
-  if (has_here && has_there && abs(subtract(here, there)) > outline_depth_tolerance) return here < there;
+  if (find_gap(p, direction) > outline_depth_tolerance) return true;
+  if (find_gap(p + direction, -direction) > outline_depth_tolerance) return false;
   int own = get_object(p), other = get_object(p + direction);
   return own != other ? own > other : direction.x + direction.y > 0;
 }
