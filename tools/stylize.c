@@ -86,7 +86,9 @@ static const struct argp_option options_table[] = {
      0},
     {"fps", KEY_FPS, "F", 0, "frames a second, for --flicker (default: 24)", 0},
     {"measure", KEY_MEASURE, "FILE.json", 0,
-     "how steady and how coarse the sequence is: warping error, jumps, SSIM, FLIP, chunks, levels, repetition",
+     "how steady and how coarse the sequence is: warping error and jumps (where the guides have motion.U and "
+     "motion.V), "
+     "SSIM, FLIP, chunks, levels, repetition",
      UNRECORDED},
     {0},
 };
@@ -103,6 +105,15 @@ static StyStatus check_picture(const char *option, const char *path, const char 
       return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s' twice, expected a name of its own", option,
                       path);
   return STY_OK;
+}
+
+/* For what is one file whatever frames there are. */
+static StyStatus refuse_pattern(const char *option, const char *path, StyError *error) {
+  bool is_pattern;
+  const StyStatus status = find_pattern(option, path, &is_pattern, error);
+  if (status || !is_pattern) return status;
+  return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected no place for a number: one file has all",
+                  option, path);
 }
 
 static StyStatus check_patterns(Arguments *arguments) {
@@ -155,6 +166,7 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (!status && arguments->measure) status = require_folder(&arguments->options, arguments->measure);
   if (!status)
     status = protect_inputs(&arguments->options, arguments->measure, inputs, arguments->anchors.pivots ? 2 : 1);
+  if (!status && arguments->measure) status = refuse_pattern("--measure", arguments->measure, error);
   if (!status) status = check_patterns(arguments);
   if (!status) status = check_flicker(arguments);
   return status ? status : check_anchors(&arguments->options, &arguments->anchors);
@@ -270,6 +282,7 @@ typedef struct Account {
   int width, height;
   size_t covered, fallback;
   double times[5]; /* load, read, transfer, blend, write */
+  Review review;
 } Account;
 
 static void account_for(Account *account, const Slot *slot) {
@@ -288,7 +301,7 @@ static StyStatus end_batch(Batch *batch, Measures *measures, const StyRun *run, 
   StyStatus status = STY_OK;
   for (int i = 0; i < batch->count; i++) {
     Slot *slot = &batch->slots[i];
-    if (slot->is_drawn) review_work(batch->request, &slot->names.files, &slot->work);
+    if (slot->is_drawn) review_work(batch->request, &slot->names.files, &slot->work, &account->review);
     if (!status && measures && slot->is_drawn)
       status = measure_work(measures, batch->request, &slot->names.files, &slot->work, run, error);
     account_for(account, slot);
@@ -321,6 +334,8 @@ static StyStatus draw_frames(const Arguments *arguments, const Request *request,
       run.progress(run.context, (double)(first + batch->count) / sequence->count);
   }
   end_progress(&arguments->options);
+  end_review(request, arguments->guide, &account->review);
+  if (!status && measures) review_measures(measures, request, arguments->guide);
   free(batch);
   return status;
 }
@@ -393,8 +408,10 @@ static StyStatus stylize(const Arguments *arguments, const Request *request, con
 static StyStatus plan(Arguments *arguments, const Request *request, const Sequence *sequence, StyError *error) {
   Names names = {.guide = NULL};
   Work work = {.motion = NULL};
+  Review review = {{0}};
   StyStatus status = make_names(arguments, sequence->numbers[0], &names, error);
   if (!status) status = open_work(request, &names.files, &work, error);
+  if (!status) review_channels(request, &names.files, &work, &review);
   if (!status)
     status = report_dry_run(&arguments->options, "%d frame%s of %dx%d pixels", sequence->count,
                             sequence->count == 1 ? "" : "s", work.width, work.height);

@@ -20,22 +20,24 @@ static StyStatus choose_style(const Request *request, const StyImage *guide, int
   return STY_OK;
 }
 
-/* What a style goes by that the guide doesn't have. */
-static void warn_of_channels(const Request *request, const char *guide, const StyFrame *frame) {
+/* Channels that styles go by, and what for. */
+static const char *const channels[REVIEW_EMPTY] = {"luma.Y, which chooses among lightings", "albedo, which colours",
+                                                   "depth.Z, at which blending stops",
+                                                   "object.I, at which blending stops"};
+
+/* Those that the guide doesn't have, a bit each. */
+static unsigned find_lacking(const Request *request, const StyFrame *frame) {
   const int styles = (int)request->bundle->textures[STY_BUNDLE_PARAMS].width;
-  const char *lacking[4] = {NULL, NULL, NULL, NULL};
+  unsigned lacking = 0;
   for (int style = frame->styles ? 1 : frame->style; style <= (frame->styles ? styles : frame->style); style++) {
     StyStyle values;
     if (sty_get_style(request->bundle, style, &values)) continue;
-    if (values.layer_count > 1 && !frame->luma) lacking[0] = "luma.Y, which chooses among lightings";
-    if (values.colour_weight > 0 && !frame->albedo) lacking[1] = "albedo, which colours";
-    if (values.depth_tolerance > 0 && !frame->depth) lacking[2] = "depth.Z, at which blending stops";
-    if (values.flags & STY_FLAG_OBJECTS && !frame->objects) lacking[3] = "object.I, at which blending stops";
+    lacking |= (unsigned)(values.layer_count > 1 && !frame->luma) << REVIEW_LUMA;
+    lacking |= (unsigned)(values.colour_weight > 0 && !frame->albedo) << REVIEW_ALBEDO;
+    lacking |= (unsigned)(values.depth_tolerance > 0 && !frame->depth) << REVIEW_DEPTH;
+    lacking |= (unsigned)(values.flags & STY_FLAG_OBJECTS && !frame->objects) << REVIEW_OBJECT;
   }
-  for (int i = 0; i < 4; i++)
-    if (lacking[i])
-      warn(request->options, "%s: found no channel %s, expected it for a style of the bundle", clean_text(guide),
-           lacking[i]);
+  return lacking;
 }
 
 static StyStatus copy_motion(const StyImage *guide, Work *work, StyError *error) {
@@ -79,7 +81,7 @@ static StyStatus fill_work(const Request *request, const FrameFiles *files, cons
   frame->anchor_count = work->anchors.count;
   frame->number = files->number;
   frame->path = request->path;
-  warn_of_channels(request, files->guide, frame);
+  work->lacking = find_lacking(request, frame);
   const size_t pixels = (size_t)frame->width * (size_t)frame->height;
   work->matches = malloc(pixels * sizeof *work->matches);
   work->picture = malloc(pixels * 4 * (size_t)request->bits / 8);
@@ -266,19 +268,41 @@ StyStatus draw_work(const Request *request, const FrameFiles *files, Work *work,
 /* Share of pixels without a piece: no exemplar is that poor in directions. */
 static const double hopeless = 0.5;
 
-void review_work(const Request *request, const FrameFiles *files, const Work *work) {
+/* Of each kind the first is told, the others are counted. */
+static bool is_news(Review *review, ReviewKind kind) { return review->counts[kind]++ == 0; }
+
+void review_channels(const Request *request, const FrameFiles *files, const Work *work, Review *review) {
+  for (int i = 0; i < REVIEW_EMPTY; i++)
+    if (work->lacking >> i & 1 && is_news(review, (ReviewKind)i))
+      warn(request->options, "%s: found no channel %s, expected it for a style of the bundle", clean_text(files->guide),
+           channels[i]);
+}
+
+void review_work(const Request *request, const FrameFiles *files, const Work *work, Review *review) {
   const double share = work->covered ? (double)work->fallback / (double)work->covered : 0;
-  if (!work->covered && !work->unnamed)
+  review_channels(request, files, work, review);
+  if (!work->covered && !work->unnamed && is_news(review, REVIEW_EMPTY))
     warn(request->options, "%s: found no covered pixel, expected a frame that shows something",
          clean_text(files->guide));
-  if (request->method == METHOD_STYLEBLIT && share > hopeless)
+  if (request->method == METHOD_STYLEBLIT && share > hopeless && is_news(review, REVIEW_HOPELESS))
     warn(request->options,
          "%s: found no piece of the exemplar that fits %.1f %% of the pixels, expected a frame of the convention of "
          "the bundle's guide, or a larger threshold",
          clean_text(files->guide), 100 * share);
-  if (work->unnamed)
+  if (work->unnamed && is_news(review, REVIEW_UNNAMED))
     warn(request->options, "%s: found %zu pixels whose style.I the bundle has no style for, expected 1 to %u, or 0",
          clean_text(files->guide), work->unnamed, request->bundle->textures[STY_BUNDLE_GUIDES].layers);
+}
+
+void end_review(const Request *request, const char *guide, const Review *review) {
+  static const char *const kinds[REVIEW_KINDS] = {"no luma.Y",         "no albedo",
+                                                  "no depth.Z",        "no object.I",
+                                                  "no covered pixel",  "no piece that fits most pixels",
+                                                  "pixels of no style"};
+  for (int i = 0; i < REVIEW_KINDS; i++)
+    if (review->counts[i] > 1)
+      warn(request->options, "%s: found %s in %d more frame%s", clean_text(guide), kinds[i], review->counts[i] - 1,
+           review->counts[i] > 2 ? "s" : "");
 }
 
 /* ---- what is written -------------------------------------------------------------- */

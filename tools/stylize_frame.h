@@ -40,11 +40,12 @@ typedef struct Work {
   void *picture;
   int width, height;
   size_t covered, fallback;
-  size_t unnamed;  /* pixels whose style.I is that of no style */
-  double times[4]; /* read, transfer, blend, write */
+  unsigned lacking; /* channels that a style goes by: a bit each, by ReviewKind */
+  size_t unnamed;   /* pixels whose style.I is that of no style */
+  double times[4];  /* read, transfer, blend, write */
 } Work;
 
-/* Reads a frame's guide and fills the frame. Warns of what it lacks for its styles. */
+/* Reads a frame's guide and fills the frame. */
 StyStatus open_work(const Request *request, const FrameFiles *files, Work *out, StyError *error);
 void close_work(Work *work);
 
@@ -54,8 +55,26 @@ StyStatus draw_work(const Request *request, const FrameFiles *files, Work *work,
 /* All or none: what was asked for appears once everything is written. */
 StyStatus write_work(const Request *request, const FrameFiles *files, Work *work, StyError *error);
 
-/* Warns of a frame that shows nothing, or that hardly any piece fits. */
-void review_work(const Request *request, const FrameFiles *files, const Work *work);
+/* What may be amiss with a frame, and in how many frames it was. */
+typedef enum ReviewKind {
+  REVIEW_LUMA, /* channels that a style goes by */
+  REVIEW_ALBEDO,
+  REVIEW_DEPTH,
+  REVIEW_OBJECT,
+  REVIEW_EMPTY,    /* shows nothing */
+  REVIEW_HOPELESS, /* hardly any piece fits */
+  REVIEW_UNNAMED,  /* styles that the bundle doesn't have */
+  REVIEW_KINDS
+} ReviewKind;
+typedef struct Review {
+  int counts[REVIEW_KINDS];
+} Review;
+
+/* Warns of the first frame of each kind; the end, of how many more there were. Channels can be reviewed of an opened
+ * frame, too, all else of a drawn one. `guide`: the sequence's. */
+void review_channels(const Request *request, const FrameFiles *files, const Work *work, Review *review);
+void review_work(const Request *request, const FrameFiles *files, const Work *work, Review *review);
+void end_review(const Request *request, const char *guide, const Review *review);
 
 /* Whether all that was asked for is there, made by this command of these inputs. */
 bool is_kept(const Request *request, const FrameFiles *files);

@@ -7,24 +7,25 @@
 
 #include "stylut/measure.h"
 
-/* Figures that have a mean over the frames, by their names in JSON and what people read. */
+/* Figures that have a mean over the frames, by their names and what they are. */
 enum { WARP_MEAN, WARP_RMS, JUMPS, SSIM, FLIP, CHUNK_MEAN, CHUNK_WEIGHTED, FALLBACK, FLAT, REPETITION, SHOWN, FIGURES };
 static const struct {
   const char *key, *text;
-} figures[FIGURES] = {{"warp_mean", "warping error, mean of |difference| along the motion (0..1)"},
-                      {"warp_rms", "warping error, RMS"},
-                      {"jumps", "share of pixels whose source pixel jumps"},
-                      {"ssim", "SSIM between frames"},
-                      {"flip", "FLIP between frames"},
-                      {"chunk_mean", "pixels a chunk, mean"},
-                      {"chunk_weighted", "pixels a chunk, as pixels see it"},
-                      {"fallback", "share of pixels without a chunk"},
-                      {"flat", "share of pixels on flat areas"},
-                      {"repetition", "repetition there, mean peak of autocorrelation (0..1)"},
-                      {"shown", "times that a source pixel is shown there"}};
+} figures[FIGURES] = {{"warp_mean", "change along the motion, mean |difference|; 0: steady, 1: black to white"},
+                      {"warp_rms", "the same, root of the mean square"},
+                      {"jumps", "share of pixels whose source pixel is over 4 pixels off the last; 0: steady"},
+                      {"ssim", "likeness (SSIM) to the frame before; 1: alike"},
+                      {"flip", "difference (FLIP) that an eye sees from the frame before; 0: alike"},
+                      {"chunk_mean", "pixels a piece, mean over the pieces"},
+                      {"chunk_weighted", "pixels of a pixel's piece, mean over the pixels; more: longer strokes"},
+                      {"fallback", "share of pixels that no piece fits, by the table alone; less is better"},
+                      {"flat", "share of pixels on flat areas, where a patch may repeat"},
+                      {"repetition", "mean peak of autocorrelation there; 0: no pattern, 1: a tiling"},
+                      {"shown", "times that a source pixel is shown there; 1: no repetition"}};
 
 /* What a frame leaves for the next: a shot and its buffers. */
 typedef struct Kept {
+  int number;
   StyShot shot;
   float *rgb, *motion, *depth;
   uint8_t *guide;
@@ -37,6 +38,7 @@ struct Measures {
   json_t *frames;
   double sums[FIGURES];
   int counts[FIGURES];
+  int followed; /* frames that tell how they follow from the one before */
 };
 
 static void free_kept(Kept *kept) {
@@ -70,11 +72,11 @@ static void *copy(const void *bytes, size_t size, bool *failed) {
   return copied;
 }
 
-static StyStatus keep(const Request *request, const Work *work, Kept *out, StyError *error) {
+static StyStatus keep(const Request *request, const FrameFiles *files, const Work *work, Kept *out, StyError *error) {
   const StyFrame *frame = &work->filled.frame;
   const size_t pixels = (size_t)frame->width * (size_t)frame->height;
   bool failed = false;
-  *out = (Kept){.rgb = malloc(3 * pixels * sizeof *out->rgb)};
+  *out = (Kept){.number = files->number, .rgb = malloc(3 * pixels * sizeof *out->rgb)};
   failed = !out->rgb;
   out->guide = copy(frame->guide, 4 * pixels, &failed);
   out->matches = copy(work->matches, pixels * sizeof *out->matches, &failed);
@@ -100,19 +102,27 @@ static void note(Measures *measures, json_t *into, int figure, double value) {
   json_object_set_new(into, figures[figure].key, json_real(value));
 }
 
-static StyStatus measure_change(Measures *measures, const StyShot *now, json_t *into, const StyRun *run,
-                                StyError *error) {
-  const StyShot *before = &measures->last.shot;
-  double ssim = 0, flip = 0;
+/* Motion is that from the frame before; where that one is left out, it tells nothing of what is shown. */
+static void measure_motion(Measures *measures, const Kept *now, json_t *into) {
+  const Kept *before = &measures->last;
   StyWarp warp;
-  if (!before->rgb || before->width != now->width || before->height != now->height) return STY_OK;
-  sty_measure_warp(before, now, &warp);
-  StyStatus status = sty_measure_ssim(now->width, now->height, before->rgb, now->rgb, run, &ssim, error);
-  if (!status) status = sty_measure_flip(now->width, now->height, before->rgb, now->rgb, run, &flip, error);
-  if (status) return status;
+  if (!now->motion || now->number != before->number + 1) return;
+  measures->followed++;
+  sty_measure_warp(&before->shot, &now->shot, &warp);
+  if (!warp.pixels) return;
   note(measures, into, WARP_MEAN, warp.mean);
   note(measures, into, WARP_RMS, warp.rms);
   note(measures, into, JUMPS, warp.jumps);
+}
+
+static StyStatus measure_change(Measures *measures, const Kept *now, json_t *into, const StyRun *run, StyError *error) {
+  const StyShot *before = &measures->last.shot, *shot = &now->shot;
+  double ssim = 0, flip = 0;
+  if (!before->rgb || before->width != shot->width || before->height != shot->height) return STY_OK;
+  measure_motion(measures, now, into);
+  StyStatus status = sty_measure_ssim(shot->width, shot->height, before->rgb, shot->rgb, run, &ssim, error);
+  if (!status) status = sty_measure_flip(shot->width, shot->height, before->rgb, shot->rgb, run, &flip, error);
+  if (status) return status;
   note(measures, into, SSIM, ssim);
   note(measures, into, FLIP, flip);
   return STY_OK;
@@ -152,8 +162,8 @@ StyStatus measure_work(Measures *measures, const Request *request, const FrameFi
   Kept now;
   json_t *into = json_object();
   json_object_set_new(into, "frame", json_integer(files->number));
-  StyStatus status = keep(request, work, &now, error);
-  if (!status) status = measure_change(measures, &now.shot, into, run, error);
+  StyStatus status = keep(request, files, work, &now, error);
+  if (!status) status = measure_change(measures, &now, into, run, error);
   if (!status) status = measure_shot(measures, request, &now.shot, into, run, error);
   json_array_append_new(measures->frames, into);
   free_kept(&measures->last);
@@ -169,7 +179,17 @@ json_t *pack_measures(const Measures *measures) {
   return json_pack("{s:s, s:O, s:o}", "schema", "stylut-measure/1", "frames", measures->frames, "overall", overall);
 }
 
+void review_measures(const Measures *measures, const Request *request, const char *guide) {
+  const int frames = (int)json_array_size(measures->frames);
+  if (measures->followed + 1 >= frames) return;
+  warn(request->options,
+       "%s: found %d of %d frames with motion.U and motion.V and the frame before, expected them of all but the first "
+       "for warp_mean, warp_rms and jumps",
+       clean_text(guide), measures->followed, frames);
+}
+
 void print_measures(const Measures *measures) {
   for (int i = 0; i < FIGURES; i++)
-    if (measures->counts[i]) printf("%-62s %.6g\n", figures[i].text, measures->sums[i] / measures->counts[i]);
+    if (measures->counts[i])
+      printf("%-14s %-11.6g %s\n", figures[i].key, measures->sums[i] / measures->counts[i], figures[i].text);
 }

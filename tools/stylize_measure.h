@@ -19,6 +19,9 @@ StyStatus measure_work(Measures *measures, const Request *request, const FrameFi
 /* {"frames": [...], "overall": {...}}: the caller's. */
 json_t *pack_measures(const Measures *measures);
 
+/* Warns where frames don't tell how they follow from one another. `guide`: the sequence's. */
+void review_measures(const Measures *measures, const Request *request, const char *guide);
+
 /* The means over all frames, as text. */
 void print_measures(const Measures *measures);
 

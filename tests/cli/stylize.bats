@@ -94,18 +94,46 @@ take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
   refuse 1 flicker stylize bundle --guide f.0001.exr -o b.png --flicker 12
 }
 
+# overall KEY FILE: the mean of a measure over all frames.
+overall() { sed -n '/overall/,$p' "$2" | grep -o "\"$1\": [0-9.e-]*" | head -1; }
+
 @test "measures of a still sequence and of a turning one" {
   take
-  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --measure turning.json >text
-  for figure in 'SSIM' 'FLIP' 'warping error' 'chunk' 'repetition'; do grep -q "$figure" text || [ "$figure" = repetition ] || complain "no $figure in the text"; done
-  expect 'frames measured' "$(grep -c '"frame":' turning.json)" 6
   rm f.*.exr
-  for i in 1 2 3; do cp "$BATS_FILE_TMPDIR/f.0001.exr" "f.000$i.exr"; done
-  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 's.%04d.png' --measure still.json -q
-  for key in warp_mean flip jumps; do
-    expect "$key of a still sequence" "$(sed -n '/overall/,$p' still.json | grep -o "\"$key\": [0-9.e-]*" | head -1)" "\"$key\": 0.0"
+  for i in 1 2 3; do
+    for kind in still turning; do
+      printf '{ "schema": "stylut-scene/1",
+        "camera": { "type": "orthographic", "position": [%s,0,3], "target": [0,0,0], "height": 2.2 },
+        "spheres": [ { "center": [0,0,0], "radius": 0.9 }, { "center": [0.4,0,0.6], "radius": 0.4 } ] }' \
+        "$([ $kind = still ] && echo 0 || echo "0.0$i")" >"$kind.$i.json"
+      "$STYLUT" guide scene "$kind.$i.json" --previous "$kind.$((i > 1 ? i - 1 : 1)).json" -s 160 \
+        -c normal,depth,object,motion -q -o "$kind.$i.exr"
+    done
   done
-  refuse 1 measure stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution double --measure m.json
+  "$STYLUT" stylize bundle --guide 'turning.%d.exr' -o 'a.%d.png' --measure turning.json >text 2>said
+  for figure in warp_mean warp_rms jumps ssim flip chunk_mean chunk_weighted fallback flat; do
+    grep -q "^$figure " text || complain "no $figure in the text"
+    [ -n "$(overall "$figure" turning.json)" ] || complain "no $figure in the file"
+  done
+  expect 'what is said of a whole sequence' "$(cat said)" ''
+  expect 'frames measured' "$(grep -c '"frame":' turning.json)" 3
+  "$STYLUT" stylize bundle --guide 'still.%d.exr' -o 's.%d.png' --measure still.json -q
+  for key in warp_mean flip jumps; do expect "$key of a still sequence" "$(overall $key still.json)" "\"$key\": 0.0"; done
+  # Motion is known to the frame before alone.
+  "$STYLUT" stylize bundle --guide 'turning.%d.exr' -o 'a.%d.png' --measure steps.json --frames 1-3x2 2>said >text
+  expect_holds 'what is said of a frame left out' "$(cat said)" 'found 0 of 2 frames with motion.U'
+  expect 'jumps over a gap' "$(overall jumps steps.json)" ''
+  refuse 1 measure stylize bundle --guide 'still.%d.exr' -o 'a.%d.png' --resolution double --measure m.json
+  refuse 1 m.%d.json stylize bundle --guide 'still.%d.exr' -o 'a.%d.png' --measure m.%d.json
+}
+
+@test "without motion nothing is said of it; what many frames lack is said once" {
+  take
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --measure m.json --set colour_weight=0.5 2>said >text
+  expect 'jumps' "$(overall jumps m.json)" ''
+  expect 'warnings' "$(cat said)" "stylut: warning: f.0001.exr: found no channel albedo, which colours, expected it for a style of the bundle
+stylut: warning: f.%04d.exr: found no albedo in 5 more frames
+stylut: warning: f.%04d.exr: found 0 of 6 frames with motion.U and motion.V and the frame before, expected them of all but the first for warp_mean, warp_rms and jumps"
 }
 
 @test "methods and resolutions" {
