@@ -85,56 +85,62 @@ static const struct argp parser = {
     .children = children,
 };
 
-/* Guide and table of a style; the next may have the same. */
+/* Source and table of a style; the next may have the same. */
 typedef struct Prepared {
   const StyManifestStyle *style;
   Source source;
-  uint8_t *guide;
-  uint16_t *lut;
-  bool unorm8;
+  Table table;
 } Prepared;
 
 static void close_prepared(Prepared *prepared) {
   close_source(&prepared->source);
-  free(prepared->guide);
-  free(prepared->lut);
+  free(prepared->table.texels);
   *prepared = (Prepared){.style = NULL};
-}
-
-static StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error) {
-  StyImage *encoded = NULL;
-  *out = malloc(4 * sty_count_pixels(guide));
-  if (!*out) return sty_fail_memory(error, "guide", 4.0 * (double)sty_count_pixels(guide));
-  StyStatus status = sty_encode_normals(guide, 8, &encoded, error);
-  if (!status) status = sty_convert_to_rgba8("guide", encoded, *out, error);
-  sty_destroy_image(&encoded);
-  return status;
 }
 
 /* Whether one table serves both: of one guide, asked for in the same words, with paint on the same pixels. */
 static bool is_same_table(const Packing *packing, const Prepared *a, const Prepared *b) {
   const float *covered[2] = {sty_find_channel(a->source.guide, "A"), sty_find_channel(b->source.guide, "A")};
   const size_t i = (size_t)(a->style - packing->manifest.styles), k = (size_t)(b->style - packing->manifest.styles);
-  return strcmp(a->style->guide, b->style->guide) == 0 && a->lut &&
+  return strcmp(a->style->guide, b->style->guide) == 0 && a->table.texels &&
          (a->style->lut == b->style->lut || json_equal(a->style->lut, b->style->lut)) &&
          memcmp(&packing->sizes[i], &packing->sizes[k], sizeof packing->sizes[i]) == 0 &&
          memcmp(covered[0], covered[1], sty_count_pixels(a->source.guide) * sizeof(float)) == 0;
+}
+
+/* Shares of a guide without paint and of paint without a guide that no exemplar and guide of one picture have. */
+static const double most_unpainted = 0.25, most_unguided = 0.6;
+
+static void review_style(const Packing *packing, const Prepared *prepared) {
+  const Options *options = &packing->arguments->options;
+  const Overlap *overlap = &prepared->source.overlap;
+  const double unpainted = 1 - (double)overlap->both / (double)(overlap->guided ? overlap->guided : 1);
+  const double unguided = 1 - (double)overlap->both / (double)(overlap->painted ? overlap->painted : 1);
+  if (unpainted > most_unpainted || unguided > most_unguided)
+    warn(options,
+         "style '%s': found %.0f %% of the guide without paint and %.0f %% of the paint without guide, expected the "
+         "guide of the scene that was painted",
+         clean_text(prepared->style->name), 100 * unpainted, 100 * unguided);
+  if (prepared->table.holes)
+    warn(options,
+         "style '%s': found %zu entries of %s where the exemplar has no paint or the guide is empty, expected them on "
+         "paint; without \"lut\" a table is made that is",
+         clean_text(prepared->style->name), prepared->table.holes, clean_text(prepared->style->lut_file));
 }
 
 /* Replaces what `prepared` holds of the style before by this one's; without `tables`, all but its table. */
 static StyStatus prepare_style(const Packing *packing, int number, bool tables, Prepared *prepared, StyError *error) {
   Prepared next = {.style = &packing->manifest.styles[number]};
   StyStatus status = open_source(packing, number, &next.source, error);
-  if (!status) status = encode_guide(next.source.guide, &next.guide, error);
   if (!status && prepared->style && is_same_table(packing, prepared, &next)) {
-    next.lut = prepared->lut;
-    next.unorm8 = prepared->unorm8;
-    prepared->lut = NULL;
+    next.table = prepared->table;
+    prepared->table.texels = NULL;
   } else if (!status && tables) {
-    status = make_table(packing, number, next.source.guide, &next.lut, &next.unorm8, error);
+    status = make_table(packing, number, next.source.guide, &next.table, error);
   }
   close_prepared(prepared);
   *prepared = next;
+  if (!status) review_style(packing, prepared);
   return status;
 }
 
@@ -189,7 +195,7 @@ static StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *er
 
 /* Tables are drawn where none are brought. */
 static StyStatus check_jitter(Packing *packing) {
-  static const char *const expected = "a manifest without \"jitter\"";
+  static const char *const expected = "a manifest without the key \"jitter\", which brings tables of its own";
   const bool draws = !packing->manifest.jitter;
   const OptionNeed needs[] = {{"jitter-frames", draws, expected}, {"jitter-noise", draws, expected}};
   return check_needs(&packing->arguments->options, needs, 2);
@@ -215,11 +221,11 @@ static StyStatus write_styles(const Packing *packing, StyBundleWriter *writer, j
   for (int i = 0; !status && i < packing->manifest.style_count; i++) {
     StyStyle parameters = packing->manifest.styles[i].parameters;
     status = prepare_style(packing, i, writer, &prepared, error);
-    if (prepared.unorm8) parameters.flags |= STY_FLAG_UNORM8;
+    if (prepared.table.unorm8) parameters.flags |= STY_FLAG_UNORM8;
     if (!status && writer)
-      status = sty_write_style(writer, (const uint8_t *const *)prepared.source.layers, prepared.guide, prepared.lut,
-                               &parameters, error);
-    if (!status) json_array_append_new(styles, describe_style(packing, i, &parameters, layer));
+      status = sty_write_style(writer, (const uint8_t *const *)prepared.source.layers, prepared.source.texels,
+                               prepared.table.texels, &parameters, error);
+    if (!status) json_array_append_new(styles, describe_style(packing, i, &parameters, layer, &prepared.table));
     layer += sty_count_layers(&parameters);
     if (run.progress) run.progress(run.context, (double)(i + 1) / packing->manifest.style_count);
   }
@@ -229,31 +235,78 @@ static StyStatus write_styles(const Packing *packing, StyBundleWriter *writer, j
 }
 
 /* Texels of all textures; headers are a few hundred bytes each. */
-static StyStatus report_bytes(Options *options, const Packing *packing) {
-  const StyBundleShape shape = get_shape(packing);
-  const double layer = 4.0 * shape.width * shape.height, styles = shape.style_count;
-  const double bytes = layer * (shape.exemplar_count + styles) + 4.0 * shape.lut_size * shape.lut_size * styles +
-                       16.0 * STY_PARAM_ROWS * styles + (double)STY_JITTER_BYTES * shape.jitter_count;
-  return report_estimate(options,
-                         json_pack("{s:i, s:[ii], s:i, s:i, s:i, s:f}", "styles", shape.style_count, "size",
-                                   shape.width, shape.height, "exemplar_layers", shape.exemplar_count, "lut_size",
-                                   shape.lut_size, "jitter_tables", shape.jitter_count, "bytes", bytes),
-                         "%d style%s, %d exemplar layer%s of %dx%d, tables of %d a side: about %.0f bytes",
-                         shape.style_count, shape.style_count == 1 ? "" : "s", shape.exemplar_count,
-                         shape.exemplar_count == 1 ? "" : "s", shape.width, shape.height, shape.lut_size, bytes);
+static double count_bytes(const StyBundleShape *shape) {
+  const double layer = 4.0 * shape->width * shape->height, styles = shape->style_count;
+  return layer * (shape->exemplar_count + styles) + 4.0 * shape->lut_size * shape->lut_size * styles +
+         16.0 * STY_PARAM_ROWS * styles + (double)STY_JITTER_BYTES * shape->jitter_count;
 }
 
-static StyStatus print_report(Options *options, const Packing *packing, double milliseconds, StyError *error) {
-  const StyManifest *manifest = &packing->manifest;
-  const char *plural = manifest->style_count == 1 ? "" : "s";
-  if (options->dry_run) return report_bytes(options, packing);
+static StyStatus report_bytes(Options *options, const StyBundleShape *shape) {
+  const double bytes = count_bytes(shape);
+  return report_estimate(options,
+                         json_pack("{s:i, s:[ii], s:i, s:i, s:i, s:I}", "styles", shape->style_count, "size",
+                                   shape->width, shape->height, "exemplar_layers", shape->exemplar_count, "lut_size",
+                                   shape->lut_size, "jitter_tables", shape->jitter_count, "bytes", (json_int_t)bytes),
+                         "%d style%s, %d exemplar layer%s of %dx%d, tables of %d a side: about %.0f bytes",
+                         shape->style_count, shape->style_count == 1 ? "" : "s", shape->exemplar_count,
+                         shape->exemplar_count == 1 ? "" : "s", shape->width, shape->height, shape->lut_size, bytes);
+}
+
+/* The style whose table errs most. */
+static const json_t *find_worst(const json_t *styles, double *p99) {
+  const json_t *style, *worst = NULL;
+  size_t i;
+  json_array_foreach(styles, i, style) {
+    const json_t *error = json_object_get(json_object_get(style, "lut"), "error");
+    const double found = json_number_value(json_object_get(error, "p99"));
+    if (!error || (worst && found <= *p99)) continue;
+    worst = style;
+    *p99 = found;
+  }
+  return worst;
+}
+
+/* What exemplars of another size than the bundle's have become. */
+static void print_fits(const Packing *packing) {
+  const bool pads = packing->arguments->fit == FIT_PAD;
+  for (int i = 0; i < packing->manifest.style_count; i++) {
+    const Size from = packing->sizes[i], to = packing->size;
+    if (from.width != to.width || from.height != to.height)
+      printf("style '%s': %dx%d %s %dx%d\n", clean_text(packing->manifest.styles[i].name), from.width, from.height,
+             pads ? "padded to" : "filtered to", to.width, to.height);
+  }
+}
+
+static json_t *list_tables(const json_t *styles) {
+  json_t *out = json_array(), *style;
+  size_t i;
+  json_array_foreach(styles, i, style)
+      json_array_append_new(out, json_pack("{s:O, s:O, s:O}", "name", json_object_get(style, "name"), "size",
+                                           json_object_get(style, "size"), "lut", json_object_get(style, "lut")));
+  return out;
+}
+
+static StyStatus print_report(Options *options, const Packing *packing, const json_t *styles, double milliseconds,
+                              StyError *error) {
+  const StyBundleShape shape = get_shape(packing);
+  double p99 = 0;
+  if (options->dry_run) return report_bytes(options, &shape);
   if (options->json)
-    return print_json(
-        json_pack("{s:s, s:o, s:i, s:f, s:f}", "schema", "stylut-pack/1", "bundle", make_json_text(options->output),
-                  "styles", manifest->style_count, "time_ms", milliseconds, "peak_bytes", get_peak_bytes()),
-        error);
-  if (!options->quiet)
-    printf("%s: %d style%s in %.0f ms\n", clean_text(options->output), manifest->style_count, plural, milliseconds);
+    return print_json(json_pack("{s:s, s:o, s:i, s:[ii], s:i, s:i, s:I, s:o, s:f, s:I}", "schema", "stylut-pack/1",
+                                "bundle", make_json_text(options->output), "styles", shape.style_count, "size",
+                                shape.width, shape.height, "exemplar_layers", shape.exemplar_count, "lut_size",
+                                shape.lut_size, "bytes", (json_int_t)count_bytes(&shape), "tables", list_tables(styles),
+                                "time_ms", milliseconds, "peak_bytes", (json_int_t)get_peak_bytes()),
+                      error);
+  if (options->quiet) return STY_OK;
+  printf("%s: %d style%s in %.0f ms: %d layer%s of %dx%d, tables of %d a side\n", clean_text(options->output),
+         shape.style_count, shape.style_count == 1 ? "" : "s", milliseconds, shape.exemplar_count,
+         shape.exemplar_count == 1 ? "" : "s", shape.width, shape.height, shape.lut_size);
+  print_fits(packing);
+  const json_t *worst = find_worst(styles, &p99);
+  if (worst)
+    printf("tables are off by up to %.4g degrees (99th percentile, style '%s')\n", p99,
+           clean_text(json_string_value(json_object_get(worst, "name"))));
   return STY_OK;
 }
 
@@ -283,13 +336,13 @@ static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
   return STY_OK;
 }
 
-/* All but the report. */
-static StyStatus pack(Packing *packing, StyError *error) {
+/* All but the report, for which `styles` is filled with what the index says of them. */
+static StyStatus pack(Packing *packing, json_t *styles, StyError *error) {
   const Options *options = &packing->arguments->options;
   StyBundleWriter *writer = NULL;
   uint8_t *jitters = NULL;
-  json_t *index = json_object(), *styles = json_array();
-  json_object_set_new(index, "styles", styles);
+  json_t *index = json_object();
+  json_object_set(index, "styles", styles);
   json_object_set_new(index, "jitter", describe_jitter(packing));
   StyStatus status = options->no_history ? STY_OK : begin_history(packing, index, error);
   if (!status) status = measure_exemplars(packing, error);
@@ -315,8 +368,10 @@ static StyStatus run(PackArguments *arguments) {
   StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
   if (!status) status = check_engines(&packing->manifest, error);
   if (!status) status = check_jitter(packing);
-  if (!status) status = pack(packing, error);
-  if (!status) status = print_report(&arguments->options, packing, sty_get_milliseconds() - start, error);
+  json_t *styles = json_array();
+  if (!status) status = pack(packing, styles, error);
+  if (!status) status = print_report(&arguments->options, packing, styles, sty_get_milliseconds() - start, error);
+  json_decref(styles);
   sty_close_manifest(&packing->manifest);
   json_decref(packing->guides);
   free(packing);

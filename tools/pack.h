@@ -3,6 +3,7 @@
 #define STYLUT_TOOLS_PACK_H
 
 #include "options.h"
+#include "stylut/audit.h"
 #include "stylut/lut.h"
 #include "stylut/pack.h"
 
@@ -32,11 +33,28 @@ typedef struct Packing {
   json_t *inputs; /* of the history: hashes by names; NULL: none is kept */
 } Packing;
 
+/* Pixels that a guide covers, that all exemplars have paint on, and that are both. */
+typedef struct Overlap {
+  size_t guided, painted, both;
+} Overlap;
+
 /* One style's source. */
 typedef struct Source {
   uint8_t *layers[2 * STY_MAX_LIGHTINGS]; /* RGBA: exemplars, then their bases */
   StyImage *guide;                        /* covers what all exemplars have paint on */
+  uint8_t *texels; /* RGBA: the guide as the bundle has it; tables go by all its precision, as frames look up with 16
+                    * bits */
+  Overlap overlap;
 } Source;
+
+/* A style's table. */
+typedef struct Table {
+  uint16_t *texels;  /* lut_size^2 pairs, as the bundle has them */
+  bool unorm8;       /* meant for bytes */
+  bool is_judged;    /* a table that was made for a picture of another size isn't */
+  StyFigures lookup; /* how far its answers are off, degrees */
+  size_t holes;      /* texels that name a pixel without guide or paint */
+} Table;
 
 /* Fills sizes and size from the exemplars' headers. STY_ERROR_INPUT where they differ and no --fit says what to do. */
 StyStatus measure_exemplars(Packing *packing, StyError *error);
@@ -59,16 +77,18 @@ StyStatus begin_history(Packing *packing, json_t *index, StyError *error);
 StyStatus record_input(const Packing *packing, const char *name, StyError *error);
 
 /* What the index says of one style, whose `layer` is the first of its own, and of the jitter tables. */
-json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer);
+json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer, const Table *table);
+json_t *describe_lookup(const Table *table); /* its errors */
 json_t *describe_jitter(const Packing *packing);
+
+bool has_budget(const StyManifestStyle *style);
 
 /* Fills lut_size: what sizes, tables and budgets of the styles come down to. STY_CHECK_FAILED where a budget can't be
  * met. */
 StyStatus settle_lut_size(Packing *packing, StyError *error);
 
-/* The table of a style with such a guide: lut_size^2 texels as the bundle has them, which the caller frees; and whether
- * it is meant for bytes. */
-StyStatus make_table(const Packing *packing, int style, const StyImage *guide, uint16_t **texels, bool *unorm8,
-                     StyError *error);
+/* Makes or reads a style's table, and judges it. STY_CHECK_FAILED when it is over the style's budget. The caller frees
+ * the texels. */
+StyStatus make_table(const Packing *packing, int style, const StyImage *guide, Table *out, StyError *error);
 
 #endif

@@ -1,4 +1,5 @@
 /* What a bundle's index says of the bundle and of how it came about. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,7 +50,27 @@ json_t *describe_jitter(const Packing *packing) {
                    (json_int_t)packing->arguments->options.seed);
 }
 
-json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer) {
+/* Degrees, as people read them. */
+static json_t *describe_degrees(double degrees) {
+  char text[32];
+  snprintf(text, sizeof text, "%.4g", degrees);
+  return json_real(strtod(text, NULL));
+}
+
+json_t *describe_lookup(const Table *table) {
+  return json_pack("{s:o, s:o, s:o}", "mean", describe_degrees(table->lookup.mean), "p99",
+                   describe_degrees(table->lookup.p99), "max", describe_degrees(table->lookup.max));
+}
+
+static json_t *describe_budget(const StyManifestStyle *style) {
+  json_t *out = json_object();
+  if (style->most_mean > 0) json_object_set_new(out, "mean", json_real(style->most_mean));
+  if (style->most_p99 > 0) json_object_set_new(out, "p99", json_real(style->most_p99));
+  if (style->most_error > 0) json_object_set_new(out, "max", json_real(style->most_error));
+  return out;
+}
+
+json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer, const Table *table) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   json_t *exemplars = json_array();
   for (int i = 0; i < parameters->layer_count; i++)
@@ -59,6 +80,8 @@ json_t *describe_style(const Packing *packing, int number, const StyStyle *param
                           parameters->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre",
                           style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
   if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));
+  if (has_budget(style)) json_object_set_new(lut, "budget", describe_budget(style));
+  if (table->is_judged) json_object_set_new(lut, "error", describe_lookup(table));
   json_t *out =
       json_pack("{s:i, s:s, s:o, s:[ii], s:s, s:o, s:o, s:[ii]}", "id", number + 1, "name", style->name, "exemplars",
                 exemplars, "size", packing->sizes[number].width, packing->sizes[number].height, "guide", style->guide,

@@ -240,11 +240,35 @@ static StyStatus get_guide(const Packing *packing, int number, StyImage **out, S
   return status || is_equal(size, to) ? status : fit_guide(packing, out, error);
 }
 
+static StyStatus read_exemplars(const Packing *packing, int number, Source *source, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int i = 0; !status && i < packing->manifest.styles[number].parameters.layer_count; i++)
+    status = read_exemplar(packing, number, i, &source->layers[i], error);
+  return status;
+}
+
 /* Less than half opaque is a hole that no surface should be given. */
-static void uncover_unpainted(const uint8_t *exemplar, StyImage *guide) {
-  float *covered = sty_find_channel(guide, "A");
-  for (size_t i = 0; i < sty_count_pixels(guide); i++)
-    if (exemplar[4 * i + 3] < 128) covered[i] = 0;
+static void uncover_unpainted(Source *source, int lightings) {
+  float *covered = sty_find_channel(source->guide, "A");
+  for (size_t i = 0; i < sty_count_pixels(source->guide); i++) {
+    bool is_painted = true;
+    for (int k = 0; k < lightings; k++) is_painted &= source->layers[k][4 * i + 3] >= 128;
+    source->overlap.guided += covered[i] > 0;
+    source->overlap.painted += is_painted;
+    source->overlap.both += covered[i] > 0 && is_painted;
+    if (!is_painted) covered[i] = 0;
+  }
+}
+
+static StyStatus encode_guide(Source *source, StyError *error) {
+  StyImage *encoded = NULL;
+  const size_t size = 4 * sty_count_pixels(source->guide);
+  source->texels = malloc(size);
+  if (!source->texels) return sty_fail_memory(error, "guide", (double)size);
+  StyStatus status = sty_encode_normals(source->guide, 8, &encoded, error);
+  if (!status) status = sty_convert_to_rgba8("guide", encoded, source->texels, error);
+  sty_destroy_image(&encoded);
+  return status;
 }
 
 StyStatus open_source(const Packing *packing, int number, Source *out, StyError *error) {
@@ -252,10 +276,9 @@ StyStatus open_source(const Packing *packing, int number, Source *out, StyError 
   const int lightings = style->parameters.layer_count;
   Source source = {0};
   StyStatus status = get_guide(packing, number, &source.guide, error);
-  for (int i = 0; !status && i < lightings; i++) {
-    status = read_exemplar(packing, number, i, &source.layers[i], error);
-    if (!status) uncover_unpainted(source.layers[i], source.guide);
-  }
+  if (!status) status = read_exemplars(packing, number, &source, error);
+  if (!status) uncover_unpainted(&source, lightings);
+  if (!status) status = encode_guide(&source, error);
   const StyRun run = {.threads = packing->arguments->options.threads};
   for (int i = 0; !status && style->base > 0 && i < lightings; i++)
     status = sty_make_base(source.layers[i], source.guide, style->base, &run, &source.layers[lightings + i], error);
@@ -268,6 +291,7 @@ StyStatus open_source(const Packing *packing, int number, Source *out, StyError 
 
 void close_source(Source *source) {
   for (int i = 0; i < 2 * STY_MAX_LIGHTINGS; i++) free(source->layers[i]);
+  free(source->texels);
   sty_destroy_image(&source->guide);
   *source = (Source){.guide = NULL};
 }

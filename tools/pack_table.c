@@ -36,32 +36,34 @@ static StyStatus get_fixed_size(const Packing *packing, const StyManifestStyle *
   return status;
 }
 
-static StyStatus fail_budget(const StyManifestStyle *style, const StyBudget *budget, const StyCandidate *candidates,
-                             int count, StyError *error) {
-  const StyCandidate *best = candidates;
-  for (int c = 1; c < count; c++)
-    if (sty_compare_budget(&candidates[c].lookup, budget) < sty_compare_budget(&best->lookup, budget))
-      best = &candidates[c];
-  const StyFigures *found = &best->lookup;
-  const bool p99 = budget->p99 > 0 && found->p99 > budget->p99, mean = budget->mean > 0 && found->mean > budget->mean;
+bool has_budget(const StyManifestStyle *style) {
+  return style->most_mean > 0 || style->most_p99 > 0 || style->most_error > 0;
+}
+
+static StyBudget get_budget(const StyManifestStyle *style) {
+  return (StyBudget){style->most_mean, style->most_p99, style->most_error};
+}
+
+/* The figure that is over its budget. */
+static StyStatus fail_budget(const StyManifestStyle *style, const StyFigures *found, const char *at, int size,
+                             StyError *error) {
+  const struct {
+    const char *name;
+    double found, most;
+  } figures[] = {{"p99", found->p99, style->most_p99},
+                 {"mean", found->mean, style->most_mean},
+                 {"max", found->max, style->most_error}};
+  int over = 0;
+  while (over < 2 && !(figures[over].most > 0 && figures[over].found > figures[over].most)) over++;
   return sty_fail(error, STY_CHECK_FAILED,
-                  "style '%s': budget: found %s %.4g degrees at best (size %d), expected at most %.4g", style->name,
-                  p99    ? "p99"
-                  : mean ? "mean"
-                         : "max",
-                  p99    ? found->p99
-                  : mean ? found->mean
-                         : found->max,
-                  best->spec.width,
-                  p99    ? budget->p99
-                  : mean ? budget->mean
-                         : budget->max);
+                  "style '%s': budget: found %s %.4g degrees %s (table of %d a side), expected at most %.4g",
+                  style->name, figures[over].name, figures[over].found, at, size, figures[over].most);
 }
 
 /* The size that a style needs to meet its budget. */
 static StyStatus choose_size(const Packing *packing, int number, int *out, StyError *error) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
-  const StyBudget budget = {style->most_mean, style->most_p99, style->most_error};
+  const StyBudget budget = get_budget(style);
   const StyLutSpec spec = {.sampling = (StySampling)get_sampling(style->lut_sampling)};
   const StyAuditOptions options = {.weights = STY_WEIGHT_DISC};
   const StyRun run = {.threads = packing->arguments->options.threads};
@@ -74,15 +76,17 @@ static StyStatus choose_size(const Packing *packing, int number, int *out, StyEr
   if (!status)
     status = sty_choose_size(sites, source.guide, &spec, false, STY_ENCODE_RG16, &options, &budget, &run, candidates,
                              &count, &chosen, error);
-  if (!status && chosen < 0) status = fail_budget(style, &budget, candidates, count, error);
+  if (!status && chosen < 0) {
+    int best = 0;
+    for (int c = 1; c < count; c++)
+      if (sty_compare_budget(&candidates[c].lookup, &budget) < sty_compare_budget(&candidates[best].lookup, &budget))
+        best = c;
+    status = fail_budget(style, &candidates[best].lookup, "at best", candidates[best].spec.width, error);
+  }
   if (!status) *out = candidates[chosen].spec.width;
   sty_destroy_sites(&sites);
   close_source(&source);
   return status;
-}
-
-static bool has_budget(const StyManifestStyle *style) {
-  return style->most_mean > 0 || style->most_p99 > 0 || style->most_error > 0;
 }
 
 static StyStatus fail_sizes(const StyManifestStyle *a, int size_a, const StyManifestStyle *b, int size_b,
@@ -92,29 +96,38 @@ static StyStatus fail_sizes(const StyManifestStyle *a, int size_a, const StyMani
                   size_a, a->name, size_b, b->name);
 }
 
-StyStatus settle_lut_size(Packing *packing, StyError *error) {
-  const StyManifestStyle *styles = packing->manifest.styles, *fixed_by = NULL, *needed_by = NULL;
-  const int count = packing->manifest.style_count;
-  int fixed = 0, needed = 0, size = 0;
-  for (int i = 0; i < count; i++) {
+/* The size that a style insists on and all others take; 0: none does. */
+static StyStatus find_fixed_size(const Packing *packing, int *out, const StyManifestStyle **by, StyError *error) {
+  const StyManifestStyle *styles = packing->manifest.styles;
+  *out = 0;
+  for (int i = 0; i < packing->manifest.style_count; i++) {
+    int size = 0;
     const StyStatus status = get_fixed_size(packing, &styles[i], &size, error);
     if (status) return status;
-    if (size && fixed && size != fixed) return fail_sizes(fixed_by, fixed, &styles[i], size, error);
-    if (!size || fixed) continue;
-    fixed = size;
-    fixed_by = &styles[i];
+    if (size && *out && size != *out) return fail_sizes(*by, *out, &styles[i], size, error);
+    if (!size || *out) continue;
+    *out = size;
+    *by = &styles[i];
   }
-  for (int i = 0; i < count; i++) {
-    if (!has_budget(&styles[i])) continue;
-    const StyStatus status = choose_size(packing, i, &size, error);
-    if (status) return status;
-    if (size <= needed) continue;
-    needed = size;
-    needed_by = &styles[i];
-  }
-  if (fixed && needed > fixed) return fail_sizes(fixed_by, fixed, needed_by, needed, error);
-  packing->lut_size = fixed ? fixed : needed ? needed : DEFAULT_LUT_SIZE;
   return STY_OK;
+}
+
+StyStatus settle_lut_size(Packing *packing, StyError *error) {
+  const StyManifestStyle *styles = packing->manifest.styles, *fixed_by = NULL;
+  int fixed = 0, needed = 0;
+  StyStatus status = find_fixed_size(packing, &fixed, &fixed_by, error);
+  for (int i = 0; !status && i < packing->manifest.style_count; i++) {
+    int size = DEFAULT_LUT_SIZE; /* what styles get that ask for nothing */
+    if (has_budget(&styles[i])) status = choose_size(packing, i, &size, error);
+    if (!status && fixed && has_budget(&styles[i]) && size > fixed)
+      status = sty_fail(error, STY_ERROR_INPUT,
+                        "found a LUT of %d texels a side for style '%s', expected the %d that the budget of style '%s' "
+                        "takes: one size serves a bundle",
+                        fixed, fixed_by->name, size, styles[i].name);
+    if (size > needed) needed = size;
+  }
+  packing->lut_size = fixed ? fixed : needed;
+  return status;
 }
 
 /* ---- tables ---- */
@@ -191,31 +204,49 @@ static uint32_t fit_place(const Packing *packing, uint32_t pixel, uint32_t from,
   return packing->arguments->fit == FIT_RESIZE ? (uint32_t)((2ULL * pixel + 1) * to / (2ULL * from)) : pixel;
 }
 
-static void encode_lut(const Packing *packing, const StyLut *lut, uint16_t *out) {
+static void encode_lut(const Packing *packing, const StyLut *lut, const StyImage *guide, Table *out) {
+  const float *covered = sty_find_channel(guide, "A");
   const uint32_t from[2] = {(uint32_t)lut->source_width, (uint32_t)lut->source_height};
   const uint32_t to[2] = {(uint32_t)packing->size.width, (uint32_t)packing->size.height};
   for (size_t t = 0; t < sty_count_texels(&lut->spec); t++) {
-    const uint32_t place[2] = {lut->pixels[t] % from[0], lut->pixels[t] / from[0]};
-    for (int k = 0; k < 2; k++)
-      out[2 * t + (size_t)k] =
-          (uint16_t)sty_encode_coordinate(fit_place(packing, place[k], from[k], to[k]), to[k], 65535);
+    uint32_t place[2] = {lut->pixels[t] % from[0], lut->pixels[t] / from[0]};
+    for (int k = 0; k < 2; k++) {
+      place[k] = fit_place(packing, place[k], from[k], to[k]);
+      out->texels[2 * t + (size_t)k] = (uint16_t)sty_encode_coordinate(place[k], to[k], 65535);
+    }
+    out->holes += !(covered[(size_t)place[1] * to[0] + place[0]] > 0);
   }
 }
 
-StyStatus make_table(const Packing *packing, int number, const StyImage *guide, uint16_t **texels, bool *unorm8,
-                     StyError *error) {
+/* Tables of pictures of another size can't be held against the guide, nor the smallest ones of bytes. */
+static StyStatus judge_table(const StyManifestStyle *style, const StyLut *lut, const StyImage *guide, Table *out,
+                             StyError *error) {
+  const StyAuditOptions options = {.weights = STY_WEIGHT_DISC};
+  const StyBudget budget = get_budget(style);
+  out->is_judged = lut->source_width == guide->width && lut->source_height == guide->height && lut->spec.width > 2;
+  if (!out->is_judged) return STY_OK;
+  const StyStatus status = sty_audit_lookup(lut, guide, &options, &out->lookup, error);
+  if (status || sty_compare_budget(&out->lookup, &budget) <= 1) return status;
+  return fail_budget(style, &out->lookup, "in the table that was made", lut->spec.width, error);
+}
+
+StyStatus make_table(const Packing *packing, int number, const StyImage *guide, Table *out, StyError *error) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
+  Table table = {0};
   StyLut *lut = NULL;
   StyStatus status =
       style->lut_file ? read_table(packing, number, &lut, error) : build_table(packing, style, guide, &lut, error);
   if (status) return status;
-  const size_t size = sty_count_texels(&lut->spec) * 2 * sizeof **texels;
-  *texels = malloc(size);
-  *unorm8 = lut->spec.sampling == STY_SAMPLE_UNORM8;
-  if (*texels)
-    encode_lut(packing, lut, *texels);
-  else
-    status = sty_fail_memory(error, style->name, (double)size);
+  const size_t size = sty_count_texels(&lut->spec) * 2 * sizeof *table.texels;
+  table.texels = malloc(size);
+  table.unorm8 = lut->spec.sampling == STY_SAMPLE_UNORM8;
+  if (!table.texels) status = sty_fail_memory(error, style->name, (double)size);
+  if (!status) status = judge_table(style, lut, guide, &table, error);
+  if (!status) encode_lut(packing, lut, guide, &table);
   sty_destroy_lut(&lut);
+  if (status)
+    free(table.texels);
+  else
+    *out = table;
   return status;
 }

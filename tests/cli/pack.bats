@@ -108,7 +108,7 @@ same_textures() {
 }
 
 @test "a budget chooses the smallest table that meets it" {
-  bring oil.png pencil.png sphere.png
+  bring oil.png pencil.png sphere.png blue.png
   first_style '"exemplar": "oil.png", "lut": {"budget": {"p99": 5}}' >m.json
   accept pack m.json -o bundle
   local size
@@ -117,12 +117,36 @@ same_textures() {
   expect_less 'size' "$size" 1024
   first_style '"exemplar": "oil.png", "lut": {"budget": {"p99": 0.0001}}' >never.json
   refuse 6 "style 'one': budget: found p99" pack never.json -o never
-  # The largest need rules; a size that someone insists on must suffice.
+  expect_less 'the error that the index tells' "$(json bundle/bundle.json r.styles[0].lut.error.p99)" 5.0001
+  expect 'the budget in the index' "$(json bundle/bundle.json r.styles[0].lut.budget.p99)" 5
+  first_style '"exemplar": "blue.png", "lut": {"budget": {"p99": 5}}' >blue.json
+  accept pack blue.json -o blue
+  "$STYLUT" guide sphere -s 96 -q -o guide.exr
+  "$STYLUT" lut guide.exr -s "$(json blue/bundle.json r.styles[0].lut.size)" --sampling unorm8 -q -o lut.exr
+  "$STYLUT" check lut.exr --guide guide.exr --format json >audit.json
+  expect 'the same by audit' "$(json blue/bundle.json 'r.styles[0].lut.error.p99')" \
+    "$(json audit.json '+r.lookup.p99.toPrecision(4)')"
+  # The largest need rules; a size that someone insists on must suffice; who asks for nothing gets 256 at least.
   printf '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "oil.png", "lut": {"budget": {"p99": 5}}}, {"name": "two", "exemplar": "pencil.png", "lut": {"size": 8}}]}' >small.json
-  refuse 3 "8 texels a side for style 'two'" pack small.json -o small
+  refuse 3 "8 texels a side for style 'two', expected the $size that the budget of style 'one' takes" pack small.json -o small
+  printf '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "oil.png", "lut": {"budget": {"p99": 5}}}, {"name": "two", "exemplar": "pencil.png", "lut": {"budget": {"p99": 9}}}]}' >both.json
+  accept pack both.json -o both
+  expect 'size for both' "$(json both/bundle.json 'r.styles.map(s => s.lut.size).join()')" "$size,$size"
   printf '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "oil.png", "lut": {"budget": {"p99": 5}}}, {"name": "two", "exemplar": "pencil.png"}]}' >free.json
   accept pack free.json -o free
-  expect 'size for both' "$(json free/bundle.json 'r.styles.map(s => s.lut.size).join()')" "$size,$size"
+  expect 'size for both' "$(json free/bundle.json 'r.styles.map(s => s.lut.size).join()')" "256,256"
+}
+
+@test "what doesn't belong together is said: a guide of another picture, a table for what was erased" {
+  bring oil.png pencil.png sphere.png
+  oiiotool oil.png --resize 32x32 --create 96x96 4 --over -o corner.png
+  first_style '"exemplar": "corner.png"' >corner.json
+  accept_warned 'of the guide without paint' pack corner.json -o corner
+  first_style '"exemplar": "oil.png"' >m.json
+  accept pack m.json -o bundle
+  accept unpack bundle -o again
+  oiiotool again/001-one.png --fill:color=0,0,0,0 30x30+33+33 -o again/001-one.png
+  accept_warned 'where the exemplar has no paint' pack again/manifest.json -o holes
 }
 
 @test "a table that keeps neighbours together, and one for frames, are those of lut" {
