@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "parameters.h"
 #include "stylut/guide.h"
 #include "stylut/parse.h"
 
@@ -221,6 +222,9 @@ static StyStatus write_styles(const Packing *packing, StyBundleWriter *writer, j
   for (int i = 0; !status && i < packing->manifest.style_count; i++) {
     StyStyle parameters = packing->manifest.styles[i].parameters;
     status = prepare_style(packing, i, writer, &prepared, error);
+    if (!status)
+      review_parameters(&packing->arguments->options, packing->manifest.styles[i].name, &parameters,
+                        count_jitters(packing));
     if (prepared.table.unorm8) parameters.flags |= STY_FLAG_UNORM8;
     if (!status && writer)
       status = sty_write_style(writer, (const uint8_t *const *)prepared.source.layers, prepared.source.texels,
@@ -292,11 +296,11 @@ static StyStatus print_report(Options *options, const Packing *packing, const js
   double p99 = 0;
   if (options->dry_run) return report_bytes(options, &shape);
   if (options->json)
-    return print_json(json_pack("{s:s, s:o, s:i, s:[ii], s:i, s:i, s:I, s:o, s:f, s:I}", "schema", "stylut-pack/1",
+    return print_json(json_pack("{s:s, s:o, s:i, s:[ii], s:i, s:i, s:I, s:o, s:f, s:f}", "schema", "stylut-pack/1",
                                 "bundle", make_json_text(options->output), "styles", shape.style_count, "size",
                                 shape.width, shape.height, "exemplar_layers", shape.exemplar_count, "lut_size",
                                 shape.lut_size, "bytes", (json_int_t)count_bytes(&shape), "tables", list_tables(styles),
-                                "time_ms", milliseconds, "peak_bytes", (json_int_t)get_peak_bytes()),
+                                "time_ms", milliseconds, "peak_bytes", get_peak_bytes()),
                       error);
   if (options->quiet) return STY_OK;
   printf("%s: %d style%s in %.0f ms: %d layer%s of %dx%d, tables of %d a side\n", clean_text(options->output),

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "pack.h"
+#include "stylut/parse.h"
 
 StyStatus record_input(const Packing *packing, const char *name, StyError *error) {
   char hash[STY_HASH_SIZE];
@@ -74,8 +75,8 @@ json_t *describe_style(const Packing *packing, int number, const StyStyle *param
   const StyManifestStyle *style = &packing->manifest.styles[number];
   json_t *exemplars = json_array();
   for (int i = 0; i < parameters->layer_count; i++)
-    json_array_append_new(exemplars,
-                          json_pack("{s:s, s:f}", "file", style->exemplars[i], "luma", (double)parameters->luma[i]));
+    json_array_append_new(exemplars, json_pack("{s:s, s:f}", "file", style->exemplars[i], "luma",
+                                               sty_shorten_float(parameters->luma[i])));
   json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling",
                           parameters->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre",
                           style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);

@@ -17,6 +17,35 @@ StyStatus apply_settings(const Settings *settings, StyLoadedBundle *bundle, StyE
   return status;
 }
 
+/* NULL: all has its use. */
+static const char *find_idle_parameter(const StyStyle *style, int jitters) {
+  if (style->jitter_period > 0 && jitters == 1)
+    return "a jitter_period and one jitter table, expected several (pack --jitter-frames): pieces stay as they are";
+  if (style->luma_weight > 0 && style->layer_count == 1)
+    return "a luma_weight and one exemplar, expected several: nothing is chosen by light";
+  return NULL;
+}
+
+void review_parameters(const Options *options, const char *name, const StyStyle *style, int jitters) {
+  const char *idle = find_idle_parameter(style, jitters);
+  if (idle) warn(options, "style '%s': found %s", clean_text(name), idle);
+}
+
+void review_bundle_parameters(const Options *options, const StyLoadedBundle *bundle) {
+  const json_t *entries = json_object_get(bundle->index.root, "styles");
+  const int jitters = (int)bundle->bundle.textures[STY_BUNDLE_JITTER].layers;
+  const char *said = NULL;
+  for (size_t i = 0; i < json_array_size(entries); i++) {
+    StyStyle style;
+    if (sty_get_style(&bundle->bundle, (int)i + 1, &style)) continue;
+    const char *idle = find_idle_parameter(&style, jitters);
+    if (!idle || idle == said) continue;
+    const char *name = json_string_value(json_object_get(json_array_get(entries, i), "name"));
+    review_parameters(options, name ? name : "", &style, jitters);
+    said = idle;
+  }
+}
+
 void print_parameters(const StyStyle *style) {
   for (const StyParameter *p = sty_parameters; p->name; p++) {
     const double value = sty_get_parameter(p, style);

@@ -98,7 +98,9 @@ static void record_edit(const Options *options, StyLoadedBundle *bundle) {
 
 static StyStatus change(const Arguments *arguments, StyLoadedBundle *bundle, StyError *error) {
   const StyStatus status = apply_settings(&arguments->settings, bundle, error);
-  if (status || !arguments->settings.count || arguments->options.dry_run) return status;
+  if (status || !arguments->settings.count) return status;
+  review_bundle_parameters(&arguments->options, bundle);
+  if (arguments->options.dry_run) return STY_OK;
   record_edit(&arguments->options, bundle);
   return sty_save_parameters(arguments->bundle, bundle, error);
 }

@@ -80,8 +80,8 @@ static const struct argp_option options_table[] = {
      UNRECORDED},
     {"skip-missing", KEY_SKIP_MISSING, NULL, 0, "go on where a frame of the sequence is missing", UNRECORDED},
     {"force", KEY_FORCE, NULL, 0, "draw frames anew that are there, made by this command of these inputs", UNRECORDED},
-    {"flicker", KEY_FLICKER, "D", 0, "drawings a second: so often pieces are laid anew (default: as the bundle says)",
-     0},
+    {"flicker", KEY_FLICKER, "D", 0,
+     "drawings a second: so often pieces are laid anew, 0 for never (default: as the bundle says)", 0},
     {"set", KEY_SET, "[STYLE.]KEY=VALUE", 0, "a parameter in place of the bundle's (as of 'params'); may be repeated",
      0},
     {"fps", KEY_FPS, "F", 0, "frames a second, for --flicker (default: 24)", 0},
@@ -142,7 +142,8 @@ static StyStatus check_patterns(Arguments *arguments) {
 
 /* A drawing lasts a whole number of frames. */
 static StyStatus check_flicker(Arguments *arguments) {
-  const double period = arguments->fps / (arguments->flicker > 0 ? arguments->flicker : arguments->fps);
+  if (arguments->flicker == 0) return STY_OK;
+  const double period = arguments->fps / arguments->flicker;
   if (period >= 1 && period <= STY_MAX_PERIOD && period == (double)(int)period) return STY_OK;
   return sty_fail(&arguments->options.error, STY_ERROR_USAGE,
                   "option '--flicker': found %g drawings for %g frames a second, expected a number that divides them",
@@ -178,7 +179,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
                                   {KEY_RESOLUTION, "--resolution", resolution_names, &arguments->resolution},
                                   {KEY_ANCHOR, "--anchor", anchor_kinds, &arguments->anchors.kind}};
   const NumberOption numbers[] = {{KEY_FPS, "--fps", 1, 1000, &arguments->fps},
-                                  {KEY_FLICKER, "--flicker", 0.001, 1000, &arguments->flicker}};
+                                  {KEY_FLICKER, "--flicker", 0, 1000, &arguments->flicker}};
   StyStatus status = STY_OK;
   begin_option(key, text, state);
   switch (key) {
@@ -383,12 +384,12 @@ static StyStatus write_measures(const Arguments *arguments, const Measures *meas
 static StyStatus set_parameters(const Arguments *arguments, StyLoadedBundle *loaded, StyError *error) {
   char period[64];
   StyStatus status = STY_OK;
-  snprintf(period, sizeof period, "jitter_period=%.0f", arguments->fps / arguments->flicker);
-  if (arguments->flicker > 0) status = sty_set_bundle_parameter("option '--flicker'", period, loaded, error);
+  const bool flickers = is_given(&arguments->options, "flicker");
+  snprintf(period, sizeof period, "jitter_period=%.0f",
+           arguments->flicker > 0 ? arguments->fps / arguments->flicker : 0.0);
+  if (flickers) status = sty_set_bundle_parameter("option '--flicker'", period, loaded, error);
   if (!status) status = apply_settings(&arguments->settings, loaded, error);
-  if (!status && arguments->flicker > 0 && loaded->bundle.textures[STY_BUNDLE_JITTER].layers == 1)
-    warn(&arguments->options, "%s: found one jitter table, expected several (pack --jitter-frames) for --flicker",
-         clean_text(arguments->bundle));
+  if (!status && (flickers || arguments->settings.count > 0)) review_bundle_parameters(&arguments->options, loaded);
   return status;
 }
 

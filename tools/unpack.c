@@ -12,6 +12,7 @@
 #include "stylut/image_io.h"
 #include "stylut/lut.h"
 #include "stylut/pack.h"
+#include "stylut/parse.h"
 
 typedef struct Arguments {
   Options options;
@@ -175,7 +176,7 @@ static StyStatus write_exemplars(const Unpacking *unpacking, const StyStyle *sty
     else
       snprintf(name, sizeof name, "%s.%d.png", stem, i + 1);
     status = write_bytes(unpacking, STY_BUNDLE_EXEMPLARS, (uint32_t)(style->layer + i), name, error);
-    json_array_append_new(list, json_pack("{s:s, s:f}", "image", name, "luma", (double)style->luma[i]));
+    json_array_append_new(list, json_pack("{s:s, s:f}", "image", name, "luma", sty_shorten_float(style->luma[i])));
   }
   if (style->layer_count == 1 && style->luma[0] == 0)
     json_object_set(entry, "exemplar", json_object_get(json_array_get(list, 0), "image"));

@@ -44,6 +44,7 @@ const char *sty_name_parameter_range(const StyParameter *parameter, char out[STY
 
 /* False where the value is out of range; then the style stays as it is. */
 bool sty_put_parameter(const StyParameter *parameter, double value, StyStyle *style);
+/* As few decimals as tell it from other values: what was put, where that had up to 6. */
 double sty_get_parameter(const StyParameter *parameter, const StyStyle *style);
 
 /* {"threshold": 24, ...}; the caller owns it. */

@@ -27,6 +27,9 @@ StyStatus sty_parse_size(const char *what, const char *text, int maximum, int *w
 /* The index of `text` in the NULL-terminated list `choices`. The message lists them. */
 StyStatus sty_parse_choice(const char *what, const char *text, const char *const *choices, int *out, StyError *error);
 
+/* The number of fewest decimal digits that is this float: 0.15, not 0.150000006. */
+double sty_shorten_float(float value);
+
 #ifdef __cplusplus
 }
 #endif

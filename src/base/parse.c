@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,4 +85,15 @@ StyStatus sty_parse_choice(const char *what, const char *text, const char *const
     }
   }
   return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected one of %s", what, text, list);
+}
+
+double sty_shorten_float(float value) {
+  char text[32];
+  double shortened = (double)value;
+  for (int digits = 6; digits <= 9; digits++) {
+    snprintf(text, sizeof text, "%.*g", digits, (double)value);
+    shortened = strtod(text, NULL);
+    if ((float)shortened == value) break;
+  }
+  return shortened;
 }

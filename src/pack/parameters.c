@@ -60,7 +60,7 @@ double sty_get_parameter(const StyParameter *parameter, const StyStyle *style) {
   const void *field = (const char *)style + parameter->offset;
   if (parameter->kind == STY_PARAMETER_WHOLE) return *(const int *)field;
   if (parameter->kind == STY_PARAMETER_FLAG) return (style->flags & parameter->flag) != 0;
-  return (double)*(const float *)field;
+  return sty_shorten_float(*(const float *)field);
 }
 
 json_t *sty_describe_parameters(const StyStyle *style) {

@@ -87,8 +87,14 @@ take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
   for i in 1 2 3 4 5 6; do cp "$BATS_FILE_TMPDIR/f.0001.exr" "f.000$i.exr"; done
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --no-history -q
   for i in 2 3 4 5 6; do expect_same a.0001.png "a.000$i.png"; done
-  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --no-history --flicker 12 -q 2>said
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --no-history --flicker 12 2>said >text
   expect_same a.0001.png b.0001.png
+  expect_holds 'flicker with one table' "$(cat said)" "style 'oil': found a jitter_period and one jitter table"
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'c.%04d.png' --no-history --flicker 0 2>said >text
+  expect 'what is said of none' "$(cat said)" ''
+  expect_same a.0001.png c.0006.png
+  "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'c.%04d.png' --set luma_weight=1 2>said >text
+  expect_holds 'light and one exemplar' "$(cat said)" 'found a luma_weight and one exemplar'
   refuse 1 7 stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --flicker 7
   refuse 1 fps stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --fps 12
   refuse 1 flicker stylize bundle --guide f.0001.exr -o b.png --flicker 12

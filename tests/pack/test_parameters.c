@@ -16,7 +16,7 @@ static void test_ranges(void **state) {
     for (int i = 0; i < 2; i++) {
       StyStyle style = plain;
       assert_true(sty_put_parameter(p, good[i], &style));
-      assert_true(sty_get_parameter(p, &style) == (double)(float)good[i]);
+      assert_true(sty_get_parameter(p, &style) == good[i]);
     }
     for (int i = 0; i < 5; i++) {
       StyStyle style = plain;
@@ -29,6 +29,16 @@ static void test_ranges(void **state) {
 }
 
 /* What any style in range is described as sets it again, by text. */
+static void test_values_are_as_people_write_them(void **state) {
+  (void)state;
+  for (const StyParameter *p = sty_parameters; p->name; p++) {
+    StyStyle style = plain;
+    if (p->kind != STY_PARAMETER_NUMBER) continue;
+    assert_true(sty_put_parameter(p, 0.15, &style));
+    assert_true(sty_get_parameter(p, &style) == 0.15);
+  }
+}
+
 static void test_text(void **state) {
   (void)state;
   StyStyle style = plain, again = plain;
@@ -83,7 +93,8 @@ static void test_refusals(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_ranges), cmocka_unit_test(test_text),
-                                     cmocka_unit_test(test_flags), cmocka_unit_test(test_refusals)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_ranges), cmocka_unit_test(test_values_are_as_people_write_them),
+      cmocka_unit_test(test_text), cmocka_unit_test(test_flags), cmocka_unit_test(test_refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
