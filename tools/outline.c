@@ -68,7 +68,8 @@ static StyStatus check_arguments(Arguments *arguments) {
   const OptionNeed needs[] = {{"inside", arguments->over, "--over"},
                               {"texture", arguments->noise > 0, "--noise above 0"},
                               {"angle", arguments->normal > 0, "--normal above 0"},
-                              {"gap", arguments->depth > 0, "--depth above 0"},
+                              {"gap", arguments->depth > 0 || arguments->object > 0 || arguments->normal > 0,
+                               "--depth, --object or --normal above 0"},
                               {"seed", arguments->wobble > 0 || arguments->noise > 0, "--wobble or --noise above 0"}};
   return status ? status : check_needs(options, needs, sizeof needs / sizeof *needs);
 }

@@ -109,7 +109,7 @@ drawn() { dump "$1" A count; }
   refuse 1 --noise "${good[@]}" --texture hatch
   refuse 1 --wobble "${good[@]}" --seed 3
   refuse 1 --normal "${good[@]}" --normal 0 --angle 5
-  refuse 1 --depth "${good[@]}" --depth 0 --gap 5
+  refuse 1 --depth "${good[@]}" --depth 0 --object 0 --normal 0 --gap 5
   refuse 3 object.I "${good[@]}" --object 1
   refuse 3 depth.Z "${good[@]}" --depth 1
   refuse 3 depth.Z "${good[@]}" --gap 1
