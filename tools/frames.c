@@ -132,14 +132,15 @@ StyStatus write_picture(const Options *options, const char *command, int width, 
 }
 
 StyStatus report_picture(const Options *options, const char *schema, const char *guide, const StyFrame *frame,
-                         StyError *error) {
+                         json_t *runtime, StyError *error) {
   size_t covered = 0;
   for (size_t i = 0; i < (size_t)frame->width * (size_t)frame->height; i++) covered += frame->guide[4 * i + 3] > 0;
   if (!covered) warn(options, "%s: found no covered pixel, expected a frame that shows something", clean_text(guide));
   if (options->json)
-    return print_json(json_pack("{s:s, s:[ii], s:I}", "schema", schema, "size", frame->width, frame->height, "covered",
-                                (json_int_t)covered),
+    return print_json(json_pack("{s:s, s:[ii], s:I, s:o}", "schema", schema, "size", frame->width, frame->height,
+                                "covered", (json_int_t)covered, "runtime", runtime),
                       error);
+  json_decref(runtime);
   if (!options->quiet)
     printf("%s: %dx%d, %zu pixels covered\n", clean_text(options->output), frame->width, frame->height, covered);
   return STY_OK;

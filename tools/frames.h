@@ -29,8 +29,9 @@ StyStatus refuse_argument(Options *options, const char *text);
 StyStatus write_picture(const Options *options, const char *command, int width, int height, int bits,
                         const void *picture, const char *const *inputs, int input_count, StyError *error);
 
-/* Says what was drawn, as text or as JSON of this schema; warns where `guide` covers nothing. */
+/* Says what was drawn, as text or as JSON of this schema; warns where `guide` covers nothing. `runtime`: the
+ * structures as they were set, for JSON; taken over. */
 StyStatus report_picture(const Options *options, const char *schema, const char *guide, const StyFrame *frame,
-                         StyError *error);
+                         json_t *runtime, StyError *error);
 
 #endif

@@ -9,6 +9,7 @@
 #include "passes.h"
 #include "patterns.h"
 #include "stylut/image_io.h"
+#include "stylut/parse.h"
 #include "stylut/runtime.h"
 
 /* What `stylut outline` is asked for, in the units that people type. */
@@ -109,7 +110,8 @@ static const struct argp parser = {
     .args_doc = "--guide FRAME -o OUT.png",
     .doc =
         "Draws lines where a frame's surfaces end, bend or hide each other.\vA guide of normals alone has silhouettes "
-        "and edges; depth.Z and object.I add what stands before what.",
+        "and edges; depth.Z and object.I add what stands before what. With --format json the "
+        "runtime's structures are printed as they were set, for engines that draw the same.",
     .children = children,
 };
 
@@ -263,6 +265,17 @@ static StyStatus draw(Work *work, const StyRun *run, StyError *error) {
   return status;
 }
 
+/* What an engine sets to draw the same. */
+static json_t *describe_settings(const Work *work) {
+  const StyOutline *outline = &work->outline;
+  return json_pack("{s:{s:i, s:i, s:i, s:i, s:i, s:f, s:i, s:i}, s:{s:i, s:i}}", "StyOutline", "silhouette_weight",
+                   outline->silhouette_weight, "object_weight", outline->object_weight, "normal_weight",
+                   outline->normal_weight, "depth_weight", outline->depth_weight, "normal_tolerance",
+                   outline->normal_tolerance, "depth_tolerance", sty_shorten_float(outline->depth_tolerance),
+                   "noise_weight", outline->noise_weight, "threshold", outline->threshold, "StyLine", "width",
+                   work->line.width, "wobble_amount", work->line.wobble_amount);
+}
+
 static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   const StyFrame *frame = &work->filled.frame;
   Options *options = &arguments->options;
@@ -277,7 +290,8 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   if (!status)
     status = write_picture(options, "outline", frame->width, frame->height, work->bits, work->picture, inputs,
                            input_count, error);
-  return status ? status : report_picture(options, "stylut-outline/1", arguments->guide, frame, error);
+  return status ? status
+                : report_picture(options, "stylut-outline/1", arguments->guide, frame, describe_settings(work), error);
 }
 
 static StyStatus run(Arguments *arguments) {

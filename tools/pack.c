@@ -276,8 +276,9 @@ static void print_fits(const Packing *packing) {
   for (int i = 0; i < packing->manifest.style_count; i++) {
     const Size from = packing->sizes[i], to = packing->size;
     if (from.width != to.width || from.height != to.height)
-      printf("style '%s': %dx%d %s %dx%d\n", clean_text(packing->manifest.styles[i].name), from.width, from.height,
-             pads ? "padded to" : "filtered to", to.width, to.height);
+      printf("style '%s': %dx%d %s %dx%d%s\n", clean_text(packing->manifest.styles[i].name), from.width, from.height,
+             pads ? "padded to" : "filtered to", to.width, to.height,
+             pads || (long long)from.width * to.height == (long long)to.width * from.height ? "" : ", out of shape");
   }
 }
 

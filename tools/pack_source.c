@@ -52,10 +52,10 @@ StyStatus measure_exemplars(Packing *packing, StyError *error) {
     status = measure_style(packing, &styles[i], size, error);
     const Size first = packing->sizes[0];
     if (!status && packing->arguments->fit == FIT_NONE && !is_equal(*size, first))
-      status = sty_fail(error, STY_ERROR_INPUT,
-                        "found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a bundle, or --fit",
-                        styles[0].exemplars[0], first.width, first.height, styles[i].exemplars[0], size->width,
-                        size->height);
+      status = sty_fail(
+          error, STY_ERROR_INPUT,
+          "found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a bundle, or --fit pad or resize",
+          styles[0].exemplars[0], first.width, first.height, styles[i].exemplars[0], size->width, size->height);
     if (size->width > packing->size.width) packing->size.width = size->width;
     if (size->height > packing->size.height) packing->size.height = size->height;
   }

@@ -202,7 +202,9 @@ static const struct argp parser = {
     .doc =
         "Shades a frame in steps of light; a pattern breaks up the steps' borders.\vLuminance is scene-linear. Where "
         "the "
-        "guide has albedo.*, that is taken out of luma.Y first, so that bands tell light and not paint.",
+        "guide has albedo.*, that is taken out of luma.Y first, so that bands tell light and not paint. With --format "
+        "json "
+        "the runtime's structure is printed as it was set, for engines that draw the same.",
     .children = children,
 };
 
@@ -329,6 +331,19 @@ static StyRuntimeStatus shade_rect(void *context, StyRect rect) {
   return sty_shade_toon(&work->filled.frame, &work->toon, rect, work->bits, work->picture);
 }
 
+/* What an engine sets to draw the same. */
+static json_t *describe_settings(const StyToon *toon) {
+  json_t *thresholds = json_array(), *colours = json_array();
+  for (int i = 0; i < toon->band_count - 1; i++) json_array_append_new(thresholds, json_integer(toon->thresholds[i]));
+  for (int i = 0; i < toon->band_count; i++) {
+    const uint8_t *colour = toon->colours[i];
+    json_array_append_new(colours, json_pack("[iiii]", colour[0], colour[1], colour[2], colour[3]));
+  }
+  return json_pack("{s:{s:i, s:o, s:o, s:i, s:i, s:i, s:i}}", "StyToon", "band_count", toon->band_count, "thresholds",
+                   thresholds, "colours", colours, "colour_weight", toon->colour_weight, "pattern_weight",
+                   toon->pattern_weight, "cell_level", toon->cell_level, "jitter_amount", toon->jitter_amount);
+}
+
 static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   const StyFrame *frame = &work->filled.frame;
   Options *options = &arguments->options;
@@ -343,7 +358,9 @@ static StyStatus finish(Arguments *arguments, Work *work, StyError *error) {
   if (!status)
     status = write_picture(options, "toon", frame->width, frame->height, work->bits, work->picture, inputs, input_count,
                            error);
-  return status ? status : report_picture(options, "stylut-toon/1", arguments->guide, frame, error);
+  return status
+             ? status
+             : report_picture(options, "stylut-toon/1", arguments->guide, frame, describe_settings(&work->toon), error);
 }
 
 static StyStatus run(Arguments *arguments) {

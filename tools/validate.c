@@ -32,9 +32,11 @@ static const struct argp parser = {
     .doc =
         "Verifies a bundle: index, lengths, SHA-256, KTX2 headers, parameters. Exit code 3 when anything is wrong, 2 "
         "when a file is missing.\v"
-        "Findings carry permanent numbers: B1 index, B2 missing file, B3 length, B4 hash, B5 texture, B6 textures "
-        "that don't fit each other, B7 parameters, B8 number of styles; a warning: B9 table entries on the "
-        "background.",
+        "Findings carry permanent numbers: B1 the index can't be read, B2 a file is missing, B3 it has another length "
+        "than the index says, B4 another SHA-256, B5 it isn't the texture that belongs there, B6 textures don't fit "
+        "each other, B7 parameters are out of range, B8 the index lists other styles than the textures hold; what to "
+        "do: pack anew, or change parameters by 'params' alone. A warning: B9 table entries point to where the "
+        "exemplar has no paint; pack without \"lut\" makes a table that doesn't.",
     .children = children,
 };
 
@@ -70,7 +72,7 @@ StyStatus run_validate(int argc, char **argv) {
       printf("%s: valid, %zu style(s)\n", clean_text(arguments.bundle),
              json_array_size(json_object_get(bundle.index.root, "styles")));
     if (status && arguments.errors)
-      sty_fail(error, status, "%s: found %d error%s, listed above, expected a valid bundle", arguments.bundle,
+      sty_fail(error, status, "%s: found %d error%s, printed beside this, expected a valid bundle", arguments.bundle,
                arguments.errors, arguments.errors == 1 ? "" : "s");
     if (!status) sty_unload_bundle(&bundle);
     if (arguments.options.json) status = print_findings(arguments.findings, status, error);

@@ -90,6 +90,14 @@ drawn() { dump "$1" A count; }
   expect_less 'noise breaks lines up' "$(drawn noise=3.png)" "$(drawn plain.png)"
 }
 
+@test "settings as an engine takes them" {
+  bring creature.exr
+  "$STYLUT" outline --guide creature.exr -o o.png --width 3 --gap 0.15 --depth 0.5 --format json >said.json
+  expect settings "$(json said.json '[r.runtime.StyLine.width, r.runtime.StyOutline.depth_tolerance, r.runtime.StyOutline.depth_weight, r.runtime.StyOutline.threshold].join()')" 768,0.15,128,255
+  "$STYLUT" toon --guide creature.exr -o t.png --colours 102030,ffffff80 --bands 0.5 --format json >said.json
+  expect settings "$(json said.json '[r.runtime.StyToon.band_count, r.runtime.StyToon.thresholds, r.runtime.StyToon.colours].join()')" 2,128,16,32,48,255,255,255,255,128
+}
+
 @test "what is wrong is said in one line" {
   bring sphere.exr creature.exr toon.png
   local good=(outline --guide sphere.exr -o out.png)
