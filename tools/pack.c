@@ -109,19 +109,18 @@ static bool is_same_table(const Packing *packing, const Prepared *a, const Prepa
          memcmp(covered[0], covered[1], sty_count_pixels(a->source.guide) * sizeof(float)) == 0;
 }
 
-/* Shares of a guide without paint and of paint without a guide that no exemplar and guide of one picture have. */
-static const double most_unpainted = 0.25, most_unguided = 0.6;
+/* Share of a guide without paint that no exemplar of the same picture has; paint without guide is common: canvas. */
+static const double most_unpainted = 0.25;
 
 static void review_style(const Packing *packing, const Prepared *prepared) {
   const Options *options = &packing->arguments->options;
   const Overlap *overlap = &prepared->source.overlap;
-  const double unpainted = 1 - (double)overlap->both / (double)(overlap->guided ? overlap->guided : 1);
-  const double unguided = 1 - (double)overlap->both / (double)(overlap->painted ? overlap->painted : 1);
-  if (unpainted > most_unpainted || unguided > most_unguided)
+  const double unpainted = 1 - (double)overlap->painted / (double)(overlap->guided ? overlap->guided : 1);
+  if (unpainted > most_unpainted)
     warn(options,
-         "style '%s': found %.0f %% of the guide without paint and %.0f %% of the paint without guide, expected the "
-         "guide of the scene that was painted",
-         clean_text(prepared->style->name), 100 * unpainted, 100 * unguided);
+         "style '%s': found %.0f %% of what its guide covers without paint, expected the guide of the scene that was "
+         "painted",
+         clean_text(prepared->style->name), 100 * unpainted);
   if (prepared->table.holes)
     warn(options,
          "style '%s': found %zu entries of %s where the exemplar has no paint or the guide is empty, expected them on "

@@ -33,9 +33,9 @@ typedef struct Packing {
   json_t *inputs; /* of the history: hashes by names; NULL: none is kept */
 } Packing;
 
-/* Pixels that a guide covers, that all exemplars have paint on, and that are both. */
+/* Pixels that a guide covers, and those of them that all exemplars have paint on. */
 typedef struct Overlap {
-  size_t guided, painted, both;
+  size_t guided, painted;
 } Overlap;
 
 /* One style's source. */

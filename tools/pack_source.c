@@ -254,8 +254,7 @@ static void uncover_unpainted(Source *source, int lightings) {
     bool is_painted = true;
     for (int k = 0; k < lightings; k++) is_painted &= source->layers[k][4 * i + 3] >= 128;
     source->overlap.guided += covered[i] > 0;
-    source->overlap.painted += is_painted;
-    source->overlap.both += covered[i] > 0 && is_painted;
+    source->overlap.painted += covered[i] > 0 && is_painted;
     if (!is_painted) covered[i] = 0;
   }
 }

@@ -141,7 +141,7 @@ same_textures() {
   bring oil.png pencil.png sphere.png
   oiiotool oil.png --resize 32x32 --create 96x96 4 --over -o corner.png
   first_style '"exemplar": "corner.png"' >corner.json
-  accept_warned 'of the guide without paint' pack corner.json -o corner
+  accept_warned 'of what its guide covers without paint' pack corner.json -o corner
   first_style '"exemplar": "oil.png"' >m.json
   accept pack m.json -o bundle
   accept unpack bundle -o again

@@ -31,7 +31,7 @@ wear() {
   printf '{ "schema": "stylut-bundle/1", "styles": [ { "name": "own", "exemplar": "%s", "guide": "%s",
     "lut": { "file": "%s" } } ] }\n' "$guide" "$guide" "$table" >own.json
   rm -rf own
-  accept pack own.json -o own || return 1
+  accept pack own.json -q -o own || return 1
   for frame in "$@"; do
     accept stylize own --guide "$frame" -o worn.png --nnf "$table.$(basename "$frame")" || return 1
     fields+=("$table.$(basename "$frame")")
