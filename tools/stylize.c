@@ -343,6 +343,14 @@ static StyStatus draw_frames(const Arguments *arguments, const Request *request,
 
 /* ---- reports ---------------------------------------------------------------------- */
 
+static void print_still(const Arguments *arguments, const Account *account, double share) {
+  printf("%s: %dx%d, %zu pixels stylized", clean_text(arguments->options.output), account->width, account->height,
+         account->covered);
+  if (arguments->method != METHOD_LIT_SPHERE) /* which has no chunks */
+    printf(", %.1f %% of them without a chunk", 100 * share);
+  putchar('\n');
+}
+
 static StyStatus print_report(const Arguments *arguments, const Sequence *sequence, const Account *account,
                               const Measures *measures, StyError *error) {
   static const char *const stages[] = {"load", "read", "transfer", "blend", "write"};
@@ -363,8 +371,7 @@ static StyStatus print_report(const Arguments *arguments, const Sequence *sequen
     printf("%s: %d frames drawn, %d kept, %d missing\n", clean_text(arguments->options.output), account->drawn,
            account->kept, sequence->missing);
   else
-    printf("%s: %dx%d, %zu pixels stylized, %.1f %% of them without a chunk\n", clean_text(arguments->options.output),
-           account->width, account->height, account->covered, 100 * share);
+    print_still(arguments, account, share);
   printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],
          account->times[1], account->times[2], account->times[3], account->times[4]);
   if (measures) print_measures(measures);
