@@ -24,6 +24,11 @@ static void *allocate_part(bool has, size_t bytes, bool *failed) {
   return part;
 }
 
+static bool has_albedo(const StyImage *image) {
+  return sty_find_channel(image, "albedo.R") && sty_find_channel(image, "albedo.G") &&
+         sty_find_channel(image, "albedo.B");
+}
+
 static StyStatus allocate_frame(FilledFrame *filled, const StyImage *image, StyError *error) {
   const size_t pixels = sty_count_pixels(image);
   bool failed = false;
@@ -32,7 +37,7 @@ static StyStatus allocate_frame(FilledFrame *filled, const StyImage *image, StyE
   filled->depth = allocate_part(sty_find_channel(image, "depth.Z"), pixels * sizeof *filled->depth, &failed);
   filled->styles = allocate_part(filled->frame.style == 0, pixels, &failed);
   filled->luma = allocate_part(sty_find_channel(image, "luma.Y"), pixels, &failed);
-  filled->albedo = allocate_part(sty_find_channel(image, "albedo.R"), 4 * pixels, &failed);
+  filled->albedo = allocate_part(has_albedo(image), 4 * pixels, &failed);
   filled->objects = allocate_part(sty_find_channel(image, "object.I"), pixels * sizeof *filled->objects, &failed);
   return failed ? sty_fail_memory(error, "frame", (double)pixels * 24) : STY_OK;
 }
@@ -63,9 +68,31 @@ static void fill_albedo(const StyImage *image, uint8_t *albedo) {
   static const char *const names[] = {"albedo.R", "albedo.G", "albedo.B"};
   for (size_t c = 0; c < 3; c++) {
     const float *plane = sty_find_channel(image, names[c]);
-    for (size_t i = 0; i < sty_count_pixels(image); i++) albedo[4 * i + c] = plane ? encode_srgb(plane[i]) : 255;
+    for (size_t i = 0; i < sty_count_pixels(image); i++) albedo[4 * i + c] = encode_srgb(plane[i]);
   }
   for (size_t i = 0; i < sty_count_pixels(image); i++) albedo[4 * i + 3] = 255;
+}
+
+/* What isn't a number says nothing, whatever it stands for; depths are looked at where they are used. */
+static StyStatus refuse_nan(const char *name, const StyImage *image, StyError *error) {
+  static const char *const names[] = {"style.I", "luma.Y", "object.I", "albedo.R", "albedo.G", "albedo.B"};
+  const float *covered = sty_find_channel(image, "A");
+  for (size_t c = 0; c < sizeof names / sizeof *names; c++) {
+    const float *plane = sty_find_channel(image, names[c]);
+    for (size_t i = 0; plane && i < sty_count_pixels(image); i++)
+      if (isnan(plane[i]) && covered[i] > 0)
+        return sty_fail(error, STY_ERROR_INPUT, "%s: found nan in %s at (%zu, %zu), expected a number", name, names[c],
+                        i % (size_t)image->width, i / (size_t)image->width);
+  }
+  return STY_OK;
+}
+
+/* A style or an object: a whole number, 0 where it is none. What is beyond those is counted. */
+static int read_id(float value, int most, size_t *foreign) {
+  if (value == 0 || isnan(value)) return 0;
+  const bool is_one = value > 0 && value <= (float)most && value == floorf(value);
+  *foreign += !is_one;
+  return is_one ? (int)value : 0;
 }
 
 static void fill_values(const StyImage *image, FilledFrame *out) {
@@ -75,16 +102,21 @@ static void fill_values(const StyImage *image, FilledFrame *out) {
   for (size_t i = 0; i < sty_count_pixels(image); i++) {
     if (out->fine) out->fine[2 * i] = x[i], out->fine[2 * i + 1] = y[i];
     if (out->depth) out->depth[i] = depth[i];
-    if (out->styles) out->styles[i] = ids && ids[i] >= 1 && ids[i] <= 255 ? (uint8_t)ids[i] : 0;
+    const bool is_covered = out->guide[4 * i + 3] > 0;
+    size_t none = 0;
+    if (out->styles)
+      out->styles[i] = (uint8_t)(ids ? read_id(ids[i], 255, is_covered ? &out->foreign_styles : &none) : 0);
     if (out->luma) out->luma[i] = (uint8_t)round_share(luma[i], 255);
-    if (out->objects) out->objects[i] = objects[i] >= 1 && objects[i] <= 65535 ? (uint16_t)objects[i] : 0;
+    if (out->objects)
+      out->objects[i] = (uint16_t)read_id(objects[i], 65535, is_covered ? &out->foreign_objects : &none);
   }
   if (out->albedo) fill_albedo(image, out->albedo);
 }
 
-StyStatus fill_frame(const StyImage *image, int style, FilledFrame *out, StyError *error) {
+StyStatus fill_frame(const char *name, const StyImage *image, int style, FilledFrame *out, StyError *error) {
   *out = (FilledFrame){.frame = {.width = image->width, .height = image->height, .style = style}};
-  StyStatus status = allocate_frame(out, image, error);
+  StyStatus status = refuse_nan(name, image, error);
+  if (!status) status = allocate_frame(out, image, error);
   if (!status) status = fill_guide(image, out->guide, error);
   if (status) return status;
   fill_values(image, out);

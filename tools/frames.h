@@ -12,12 +12,13 @@ typedef struct FilledFrame {
   uint8_t *guide, *styles, *luma, *albedo;
   uint16_t *objects;
   float *fine, *depth;
+  size_t foreign_styles, foreign_objects; /* covered pixels whose ids are no whole numbers in range: taken for 0 */
 } FilledFrame;
 
 /* Fills all that the guide has channels for: normals, depth.Z, style.I, object.I, luma.Y (0..1 as bytes), albedo.
- * `style` is the frame's; 0: each pixel's is that of style.I. Whatever the
- * outcome, free what it holds with free_frame. */
-StyStatus fill_frame(const StyImage *guide, int style, FilledFrame *out, StyError *error);
+ * `style` is the frame's; 0: each pixel's is that of style.I. STY_ERROR_INPUT, which names the guide's file `name`,
+ * where one of them is NaN (depths may be). Whatever the outcome, free what it holds with free_frame. */
+StyStatus fill_frame(const char *name, const StyImage *guide, int style, FilledFrame *out, StyError *error);
 void free_frame(FilledFrame *filled);
 
 /* For commands that make a picture of a frame: --guide and -o OUT.png must be given, nothing else. */

@@ -302,7 +302,7 @@ static StyStatus run(Arguments *arguments) {
   if (!status) status = require_channels(arguments, guide, error);
   if (!status) status = read_under(arguments, guide, &work, error);
   if (!status) status = allocate_work(&work, sty_count_pixels(guide), error);
-  if (!status) status = fill_frame(guide, 1, &work.filled, error);
+  if (!status) status = fill_frame(arguments->guide, guide, 1, &work.filled, error);
   sty_destroy_image(&guide);
   if (!status) {
     set_outline(arguments, &work);

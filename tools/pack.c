@@ -24,7 +24,10 @@ static const struct argp_option options_table[] = {
      "jitter tables to draw, 1 to 256 (default: 1), which frames take in turn where a style's jitter_period says so",
      0},
     {"jitter-noise", KEY_JITTER_NOISE, "white|blue", 0,
-     "how they are drawn: each cell by itself (default), or so that cells that are near get different places", 0},
+     "how they are drawn: each cell by itself (default), or so that cells that are near get different places, which "
+     "takes "
+     "about a second a table",
+     0},
     {0}};
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {

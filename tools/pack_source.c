@@ -44,6 +44,20 @@ static StyStatus measure_style(const Packing *packing, const StyManifestStyle *s
   return status;
 }
 
+/* Filters of OpenImageIO take as long as pixels times the enlargement; and little is left of what was painted. */
+enum { MOST_ENLARGEMENT = 16 };
+
+static StyStatus check_enlargement(const Packing *packing, const StyManifestStyle *style, Size from, StyError *error) {
+  const Size to = packing->size;
+  if (packing->arguments->fit != FIT_RESIZE ||
+      (to.width <= MOST_ENLARGEMENT * from.width && to.height <= MOST_ENLARGEMENT * from.height))
+    return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "style '%s': found exemplar %s of %dx%d pixels for a bundle of %dx%d, expected at most %d times each "
+                  "side for --fit resize",
+                  style->name, style->exemplars[0], from.width, from.height, to.width, to.height, MOST_ENLARGEMENT);
+}
+
 StyStatus measure_exemplars(Packing *packing, StyError *error) {
   const StyManifestStyle *styles = packing->manifest.styles;
   StyStatus status = STY_OK;
@@ -59,6 +73,8 @@ StyStatus measure_exemplars(Packing *packing, StyError *error) {
     if (size->width > packing->size.width) packing->size.width = size->width;
     if (size->height > packing->size.height) packing->size.height = size->height;
   }
+  for (int i = 0; !status && i < packing->manifest.style_count; i++)
+    status = check_enlargement(packing, &styles[i], packing->sizes[i], error);
   return status;
 }
 

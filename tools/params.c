@@ -40,7 +40,9 @@ static const struct argp parser = {
     .args_doc = "BUNDLE",
     .doc =
         "Prints the parameters of a bundle's styles, and changes them in place: nothing is packed anew, and whoever "
-        "opens the bundle meanwhile finds all of the old ones or all of the new.\v"
+        "opens the bundle meanwhile finds all of the old ones or all of the new. The folder changes places with a new "
+        "one "
+        "of links to the same textures.\v"
         "threshold (0 to 766): largest error of a piece, 3 * 255 levels at most; top_level (0 to 12): largest piece, "
         "2^level pixels; radius (0 to 8): of the blend; depth_tolerance: largest step of depth that is blended over, "
         "0 for any; objects (true, false): whether other objects are left out of the blend; luma_weight (0 to 16): how "

@@ -88,6 +88,10 @@ static StyStatus find_on_disk(const char *pattern, Sequence *out, StyError *erro
   const char *slash = strrchr(pattern, '/'), *name = slash ? slash + 1 : pattern;
   char *folder_name = sty_get_folder(pattern);
   if (!folder_name) return sty_fail_memory(error, pattern, 0);
+  if (strchr(folder_name, '%')) {
+    free(folder_name);
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found the number in a folder's name, expected --frames then", pattern);
+  }
   StyStatus status = STY_OK;
   int room = 0, number;
   DIR *folder = opendir(*folder_name ? folder_name : ".");
@@ -137,10 +141,13 @@ static StyStatus list_present(const char *pattern, const int range[3], bool skip
                               StyError *error) {
   StyStatus status = STY_OK;
   int room = 0;
-  for (int number = range[0]; !status && number <= range[1]; number += range[2]) {
+  if ((range[1] - range[0]) / range[2] >= MOST_FRAME_FILES)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found frames %d to %d asked for, expected at most %d of them", pattern,
+                    range[0], range[1], MOST_FRAME_FILES);
+  for (long long number = range[0]; !status && number <= range[1]; number += range[2]) {
     bool is_there = false;
-    status = check_presence(pattern, number, skip_missing, &is_there, error);
-    if (!status && is_there) status = add_number(out, number, &room, error);
+    status = check_presence(pattern, (int)number, skip_missing, &is_there, error);
+    if (!status && is_there) status = add_number(out, (int)number, &room, error);
     out->missing += !is_there;
   }
   if (!status && out->count == 0)

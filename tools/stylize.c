@@ -368,8 +368,8 @@ static StyStatus print_report(const Arguments *arguments, const Sequence *sequen
   }
   if (arguments->options.quiet) return STY_OK;
   if (sequence->is_pattern)
-    printf("%s: %d frames drawn, %d kept, %d missing\n", clean_text(arguments->options.output), account->drawn,
-           account->kept, sequence->missing);
+    printf("%s: %d frame%s drawn, %d kept, %d missing\n", clean_text(arguments->options.output), account->drawn,
+           account->drawn == 1 ? "" : "s", account->kept, sequence->missing);
   else
     print_still(arguments, account, share);
   printf("load %.1f ms, read %.1f ms, transfer %.1f ms, blend %.1f ms, write %.1f ms\n", account->times[0],

@@ -69,7 +69,7 @@ static StyStatus fill_work(const Request *request, const FrameFiles *files, cons
                            StyError *error) {
   int style = 0;
   StyStatus status = choose_style(request, guide, &style, error);
-  if (!status) status = fill_frame(guide, style, &work->filled, error);
+  if (!status) status = fill_frame(files->guide, guide, style, &work->filled, error);
   if (!status) status = set_size(request, files, work, error);
   if (!status)
     status =
@@ -242,6 +242,7 @@ static StyStatus halve_work(const Request *request, Work *work, const StyRun *ru
 
 static void count_pixels(Work *work) {
   const StyFrame *frame = &work->filled.frame;
+  work->unnamed = work->filled.foreign_styles;
   for (size_t i = 0; i < (size_t)frame->width * (size_t)frame->height; i++) {
     const uint8_t level = work->matches[i].level;
     work->covered += level != STY_LEVEL_NONE;
@@ -281,6 +282,9 @@ void review_channels(const Request *request, const FrameFiles *files, const Work
 void review_work(const Request *request, const FrameFiles *files, const Work *work, Review *review) {
   const double share = work->covered ? (double)work->fallback / (double)work->covered : 0;
   review_channels(request, files, work, review);
+  if (work->filled.foreign_objects && is_news(review, REVIEW_OBJECTS))
+    warn(request->options, "%s: found %zu pixels whose object.I is no whole number up to 65535, expected one",
+         clean_text(files->guide), work->filled.foreign_objects);
   if (!work->covered && !work->unnamed && is_news(review, REVIEW_EMPTY))
     warn(request->options, "%s: found no covered pixel, expected a frame that shows something",
          clean_text(files->guide));
@@ -291,14 +295,16 @@ void review_work(const Request *request, const FrameFiles *files, const Work *wo
          clean_text(files->guide), 100 * share);
   if (work->unnamed && is_news(review, REVIEW_UNNAMED))
     warn(request->options, "%s: found %zu pixels whose style.I the bundle has no style for, expected 1 to %u, or 0",
-         clean_text(files->guide), work->unnamed, request->bundle->textures[STY_BUNDLE_GUIDES].layers);
+         clean_text(files->guide), work->unnamed,
+         request->bundle->textures[STY_BUNDLE_GUIDES].layers < 255 ? request->bundle->textures[STY_BUNDLE_GUIDES].layers
+                                                                   : 255);
 }
 
 void end_review(const Request *request, const char *guide, const Review *review) {
-  static const char *const kinds[REVIEW_KINDS] = {"no luma.Y",         "no albedo",
-                                                  "no depth.Z",        "no object.I",
-                                                  "no covered pixel",  "no piece that fits most pixels",
-                                                  "pixels of no style"};
+  static const char *const kinds[REVIEW_KINDS] = {"no luma.Y",          "no albedo",
+                                                  "no depth.Z",         "no object.I",
+                                                  "no covered pixel",   "no piece that fits most pixels",
+                                                  "pixels of no style", "object.I out of range"};
   for (int i = 0; i < REVIEW_KINDS; i++)
     if (review->counts[i] > 1)
       warn(request->options, "%s: found %s in %d more frame%s", clean_text(guide), kinds[i], review->counts[i] - 1,

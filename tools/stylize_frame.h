@@ -64,6 +64,7 @@ typedef enum ReviewKind {
   REVIEW_EMPTY,    /* shows nothing */
   REVIEW_HOPELESS, /* hardly any piece fits */
   REVIEW_UNNAMED,  /* styles that the bundle doesn't have */
+  REVIEW_OBJECTS,  /* objects that a frame can't tell apart */
   REVIEW_KINDS
 } ReviewKind;
 typedef struct Review {

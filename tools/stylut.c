@@ -1,9 +1,12 @@
 /* stylut COMMAND: finds the command and hands the rest of the line to it. */
+#include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "commands.h"
 #include "machine.h"
+#include "options.h"
 #include "similar.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
@@ -80,7 +83,17 @@ static StyStatus refuse_command(const char *name) {
   return STY_ERROR_USAGE;
 }
 
+/* What is misspelt would pass for the best unit there is. */
+static bool is_unit_known(void) {
+  const char *unit = getenv("STYLUT_VECTOR");
+  if (!unit || !*unit || strcmp(unit, "plain") == 0 || strcmp(unit, "avx2") == 0 || strcmp(unit, "avx512") == 0)
+    return true;
+  fprintf(stderr, "stylut: error: STYLUT_VECTOR: found '%s', expected plain, avx2 or avx512\n", clean_text(unit));
+  return false;
+}
+
 int main(int argc, char **argv) {
+  if (!is_unit_known()) return STY_ERROR_USAGE;
   static char help[] = "--help";
   if (argc == 3 && strcmp(argv[1], "help") == 0) {
     argv[1] = argv[2];

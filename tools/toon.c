@@ -288,7 +288,7 @@ static StyStatus load_frame(const Arguments *arguments, Work *work, StyError *er
     status = sty_fail(error, STY_ERROR_INPUT, "%s: found no albedo.R, expected it for --albedo", arguments->guide);
   if (!status) {
     take_out_albedo(guide);
-    status = fill_frame(guide, 1, &work->filled, error);
+    status = fill_frame(arguments->guide, guide, 1, &work->filled, error);
   }
   if (!status) status = anchor_frame(&arguments->anchors, arguments->guide, guide, work, error);
   if (!status && (arguments->lit || !has_shades(&work->filled)))

@@ -118,11 +118,31 @@ static StyStatus write_index(const StyBundleFolder *folder, const json_t *index,
   return status;
 }
 
+/* Whoever could read a bundle still can, and nobody else. */
+static void keep_mode(const char *from, const char *to) {
+  struct stat info;
+  if (stat(from, &info) != 0) return;
+  if (chown(to, (uid_t)-1, info.st_gid) != 0) info.st_mode &= 0707; /* a group that we aren't of */
+  chmod(to, info.st_mode & 07777);
+}
+
+static void keep_modes(const StyBundleFolder *folder) {
+  const char *const more[] = {STY_IMPORT_SETTINGS, STY_BUNDLE_INDEX, ""};
+  for (int i = 0; i < STY_BUNDLE_FILES + 3; i++) {
+    const char *name = i < STY_BUNDLE_FILES ? sty_bundle_files[i] : more[i - STY_BUNDLE_FILES];
+    char *from = sty_join_path(folder->path, name), *to = sty_join_path(folder->temporary, name);
+    if (from && to) keep_mode(from, to);
+    free(from);
+    free(to);
+  }
+}
+
 /* Renames the finished folder to its place; an earlier bundle there is swapped
  * out in one step and removed after. */
 static StyStatus move_into_place(StyBundleFolder *folder, StyError *error) {
   struct stat info;
   const bool exists = lstat(folder->path, &info) == 0;
+  if (exists) keep_modes(folder);
   if (renameat2(AT_FDCWD, folder->temporary, AT_FDCWD, folder->path, exists ? RENAME_EXCHANGE : 0) != 0)
     return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a new name or a bundle to replace",
                     folder->path, strerror(errno));

@@ -40,6 +40,7 @@ const char *sty_name_parameter_range(const StyParameter *parameter, char out[STY
 /* NaN is in no range. */
 static bool is_in_range(const StyParameter *parameter, double value) {
   if (!(value >= parameter->minimum && value <= parameter->maximum)) return false;
+  if (value > 0 && !((float)value > 0)) return false; /* 0 may mean something else than next to nothing */
   if (parameter->kind == STY_PARAMETER_SCALE) return value == 0.5 || value == 1 || value == 2;
   return parameter->kind == STY_PARAMETER_NUMBER || value == (int)value;
 }

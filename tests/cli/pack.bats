@@ -137,6 +137,13 @@ same_textures() {
   expect 'size for both' "$(json free/bundle.json 'r.styles.map(s => s.lut.size).join()')" "256,256"
 }
 
+@test "an enlargement beyond reason is refused at once" {
+  oiiotool --create 3x200 4 --fill:color=1,1,0,1 3x200 -d uint8 -o thin.png
+  oiiotool --create 4096x1 4 --fill:color=1,1,0,1 4096x1 -d uint8 -o flat.png
+  printf '{"schema": "stylut-bundle/1", "styles": [{"name": "a", "exemplar": "thin.png"}, {"name": "b", "exemplar": "flat.png"}]}' >m.json
+  refuse 3 'thin.png of 3x200 pixels for a bundle of 4096x200, expected at most 16 times' pack m.json -o bundle --fit resize
+}
+
 @test "what doesn't belong together is said: a guide of another picture, a table for what was erased" {
   bring oil.png pencil.png sphere.png
   oiiotool oil.png --resize 32x32 --create 96x96 4 --over -o corner.png
@@ -287,6 +294,12 @@ same_textures() {
   expect_same edited.png set.png
   expect_other edited.png unset.png
   expect 'folders' "$(find . -maxdepth 1 -type d -name '.*' ! -name . | wc -l)" 0
+  # Who may read it stays as it was.
+  chmod 750 bundle
+  chmod 640 bundle/*
+  accept params bundle --set threshold=76
+  expect modes "$(stat -c %a bundle bundle/* | sort -u | tr '\n' ' ')" '640 750 '
+  refuse 1 'depth_tolerance=1e-50' params bundle --set depth_tolerance=1e-50
   ln -s bundle link
   accept params link/ --set threshold=77
   accept params bundle

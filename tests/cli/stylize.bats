@@ -39,14 +39,14 @@ take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' -q
   sha256sum a.*.png >sums
   rm a.0003.png
-  expect_holds 'after one is gone' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png')" '1 frames drawn, 5 kept'
+  expect_holds 'after one is gone' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png')" '1 frame drawn, 5 kept'
   sha256sum --quiet -c sums || complain 'the frame drawn anew is another'
   rm f.0002.exr && cp f.0001.exr f.0002.exr
-  expect_holds 'after a guide changed' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png')" '1 frames drawn, 5 kept'
+  expect_holds 'after a guide changed' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png')" '1 frame drawn, 5 kept'
   expect_holds 'another command' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half)" '6 frames drawn, 0 kept'
   expect_holds 'forced' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half --force)" '6 frames drawn, 0 kept'
   : >a.0004.png
-  expect_holds 'after one was cut off' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half)" '1 frames drawn, 5 kept'
+  expect_holds 'after one was cut off' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half)" '1 frame drawn, 5 kept'
 }
 
 @test "a run that is killed goes on to the same bytes" {
@@ -79,6 +79,12 @@ take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
   refuse 1 'b.%d.png' stylize bundle --guide f.0001.exr -o 'b.%d.png'
   refuse 1 'f.%s.exr' stylize bundle --guide 'f.%s.exr' -o 'b.%d.png'
   refuse 1 frames stylize bundle --guide f.0001.exr -o b.png --frames 1-2
+  refuse 1 'at most 1000000' stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --frames 0-999999999 --skip-missing
+  mkdir d0001
+  ln -s "$BATS_FILE_TMPDIR/f.0001.exr" d0001/f.exr
+  refuse 1 'expected --frames then' stylize bundle --guide 'd%04d/f.exr' -o 'e.%04d.png'
+  accept stylize bundle --guide 'd%04d/f.exr' -o 'e.%04d.png' --frames 1-1
+  expect_holds 'one frame' "$output" '1 frame drawn'
 }
 
 @test "nothing flickers unless asked for, and then as often as asked for" {
@@ -89,6 +95,11 @@ take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
   for i in 2 3 4 5 6; do expect_same a.0001.png "a.000$i.png"; done
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'b.%04d.png' --no-history --flicker 12 2>said >text
   expect_same a.0001.png b.0001.png
+  "$STYLUT" pack "$BATS_FILE_TMPDIR/styles.json" --jitter-frames 4 -q -o four
+  "$STYLUT" stylize four --guide 'f.%04d.exr' -o 'd.%04d.png' --no-history --flicker 12 -q
+  expect_same d.0002.png d.0003.png
+  expect_same d.0004.png d.0005.png
+  expect 'drawings of six frames' "$(sha256sum d.000?.png | cut -d ' ' -f 1 | sort -u | wc -l)" 4
   expect_holds 'flicker with one table' "$(cat said)" "style 'oil': found a jitter_period and one jitter table"
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'c.%04d.png' --no-history --flicker 0 2>said >text
   expect 'what is said of none' "$(cat said)" ''
@@ -163,4 +174,27 @@ stylut: warning: f.%04d.exr: found 0 of 6 frames with motion.U and motion.V and 
   refuse 3 odd.exr stylize bundle --guide odd.exr -o b.png --resolution double
   "$STYLUT" guide sphere -s 1024 -o large.exr -q
   refuse 3 large.exr stylize bundle --guide large.exr -o b.png --method brute
+}
+
+# paint CHANNEL VALUE: a frame of six by six pixels with one more channel, all of that value.
+paint() {
+  oiiotool --create 6x6 4 --fill:color=0,0,1,1 6x6 --chnames normal.X,normal.Y,normal.Z,A \
+    --create 6x6 1 --addc "$2" --chnames "$1" --chappend -d float -o painted.exr
+}
+
+@test "values that no frame can have" {
+  take
+  for channel in style.I object.I luma.Y; do
+    paint $channel nan
+    refuse 3 "found nan in $channel at (0, 0)" stylize bundle --guide painted.exr -o a.png
+  done
+  for id in 300 -1 1.5 256; do
+    paint style.I $id
+    accept_warned 'found 36 pixels whose style.I the bundle has no style for' stylize bundle --guide painted.exr -o a.png
+    paint object.I $id
+    [ $id = 300 ] || [ $id = 256 ] || accept_warned 'found 36 pixels whose object.I is no whole number' stylize bundle --guide painted.exr -o a.png
+  done
+  paint object.I 70000
+  accept_warned 'found 36 pixels whose object.I is no whole number' stylize bundle --guide painted.exr -o a.png
+  STYLUT_VECTOR=nonsense refuse 1 nonsense stylize bundle --guide painted.exr -o b.png
 }
