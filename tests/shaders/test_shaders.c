@@ -209,11 +209,11 @@ static void check_widths(const Gpu *gpu, uint64_t *random) {
 
 /* All of one guide, so that pieces scatter wherever their object's surroundings let them; they come from a source that
  * spreads so far. */
-static void check_flat_frame(const Gpu *gpu, uint64_t *random, int spread, int threshold, Tally *tally) {
+static void check_flat_frame(const Gpu *gpu, uint64_t *random, int spread, int threshold, int top_level, Tally *tally) {
   const Guides how = {100, 1, 0};
   Fixture *fixture = draw_fixture(random, &(Guides){100 - spread / 2, spread, 0}, 64, 1);
   StyStyle style = fixture->style[1];
-  style.threshold = threshold, style.top_level = 5, style.scatter = 12, style.luma_weight = 0;
+  style.threshold = threshold, style.top_level = top_level, style.scatter = 12, style.luma_weight = 0;
   write_style(fixture, 1, &style);
   StyFrame frame = draw_frame(random, &how, fixture, 130, 70);
   while (!frame.objects || !frame.anchors) {
@@ -259,8 +259,8 @@ static void check_drawn_frames(const char *dialect, uint64_t random) {
     destroy_frame(&frame);
     destroy_fixture(fixture);
   }
-  check_flat_frame(&gpu, &random, 1, STY_MAX_THRESHOLD, &tally);
-  check_flat_frame(&gpu, &random, 20, 24, &tally);
+  check_flat_frame(&gpu, &random, 1, STY_MAX_THRESHOLD, 6, &tally);
+  check_flat_frame(&gpu, &random, 20, 24, 5, &tally);
   check_slants(&gpu, &random);
   check_edges(&gpu, &random);
   check_widths(&gpu, &random);
