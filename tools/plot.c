@@ -43,14 +43,24 @@ enum { ENCODINGS = sizeof encodings / sizeof *encodings };
 static StyStatus run_gnuplot(const char *const *arguments, FILE *in, FILE *out, FILE *said, int *ended,
                              StyError *error) {
   posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  sigset_t none; /* is blocked, as some are here */
   pid_t child;
   int state;
+  sigemptyset(&none);
   if (posix_spawn_file_actions_init(&actions) != 0) return sty_fail_memory(error, "gnuplot", 0);
+  if (posix_spawnattr_init(&attributes) != 0) {
+    posix_spawn_file_actions_destroy(&actions);
+    return sty_fail_memory(error, "gnuplot", 0);
+  }
   int cause = posix_spawn_file_actions_adddup2(&actions, fileno(in), STDIN_FILENO);
   if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, fileno(out), STDOUT_FILENO);
   if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, fileno(said), STDERR_FILENO);
-  if (!cause) cause = posix_spawnp(&child, "gnuplot", &actions, NULL, (char *const *)arguments, environ);
+  if (!cause) cause = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  if (!cause) cause = posix_spawnattr_setsigmask(&attributes, &none);
+  if (!cause) cause = posix_spawnp(&child, "gnuplot", &actions, &attributes, (char *const *)arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
   if (cause)
     return sty_fail(
         error, STY_ERROR_UNAVAILABLE,

@@ -8,6 +8,7 @@
 #include "machine.h"
 #include "options.h"
 #include "similar.h"
+#include "stylut/file.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 #include "stylut/lut.h"
@@ -94,6 +95,7 @@ static bool is_unit_known(void) {
 
 int main(int argc, char **argv) {
   if (!is_unit_known()) return STY_ERROR_USAGE;
+  sty_clean_up_when_ended();
   static char help[] = "--help";
   if (argc == 3 && strcmp(argv[1], "help") == 0) {
     argv[1] = argv[2];

@@ -75,7 +75,7 @@ static StyStatus open_folder(Unpacking *unpacking, StyError *error) {
 
 static StyStatus commit_folder(Unpacking *unpacking, StyError *error) {
   const char *path = unpacking->arguments->options.output;
-  if (rename(unpacking->temporary, path) != 0)
+  if (sty_rename_temporary(unpacking->temporary, path, 0) != 0)
     return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a new name or an empty folder", path,
                     strerror(errno));
   free(unpacking->temporary);
@@ -88,7 +88,10 @@ static void discard_folder(Unpacking *unpacking) {
   DIR *folder = unpacking->temporary ? opendir(unpacking->temporary) : NULL;
   for (const struct dirent *entry; folder && (entry = readdir(folder));) unlinkat(dirfd(folder), entry->d_name, 0);
   if (folder) closedir(folder);
-  if (unpacking->temporary) rmdir(unpacking->temporary);
+  if (unpacking->temporary) {
+    rmdir(unpacking->temporary);
+    sty_forget_temporary(unpacking->temporary);
+  }
   free(unpacking->temporary);
   unpacking->temporary = NULL;
 }

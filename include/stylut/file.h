@@ -38,6 +38,17 @@ void sty_discard_output(StyOutput *output);
  * STY_ERROR_LIBRARY. */
 StyStatus sty_make_temporary_folder(const char *path, char **out, StyError *error);
 
+/* renameat2 of a temporary to its final name; 0, or -1 and errno. With RENAME_EXCHANGE the temporary's name stays in
+ * use, for what was there, until it is forgotten. */
+int sty_rename_temporary(const char *temporary, const char *path, unsigned flags);
+
+/* After a temporary folder was removed. */
+void sty_forget_temporary(const char *temporary);
+
+/* From now on SIGINT, SIGTERM and SIGHUP remove what is in the making before they end the program; for the beginning of
+ * main, before there are other threads. Children inherit that these signals are blocked: they unblock them. */
+void sty_clean_up_when_ended(void);
+
 /* Checks that `path` is a file one can read; says which of missing, a folder,
  * no permission it is otherwise. `size` may be NULL. */
 StyStatus sty_check_file(const char *path, uint64_t *size, StyError *error);

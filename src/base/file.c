@@ -1,5 +1,7 @@
 #include "stylut/file.h"
 
+#include "base/leftovers.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <nettle/sha2.h>
@@ -21,24 +23,58 @@ static char *name_temporary(const char *path, unsigned attempt) {
   return asprintf(&name, "%.*s.%06x", length, path, mark) < 0 ? NULL : name;
 }
 
-StyStatus sty_make_temporary_folder(const char *path, char **out, StyError *error) {
-  int made = -1;
+static int create_folder(const char *name) { return mkdir(name, 0777); }
+
+static int create_file(const char *name) { return open(name, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666); }
+
+/* Creates and notes a temporary beside `path`: what creating gave, or -1. */
+static int create_temporary(const char *path, int (*create)(const char *name), char **out) {
   char *name = NULL;
-  for (unsigned attempt = 0; made != 0 && attempt < ATTEMPTS; attempt++) {
+  int made = -1;
+  for (unsigned attempt = 0; made < 0 && attempt < ATTEMPTS; attempt++) {
     free(name);
+    errno = ENOMEM;
     name = name_temporary(path, attempt);
-    if (!name) return sty_fail_memory(error, path, 0);
-    made = mkdir(name, 0777);
-    if (made != 0 && errno != EEXIST) break;
+    if (!name) break;
+    sty_lock_leftovers();
+    made = create(name);
+    if (made >= 0) sty_note_leftover(name);
+    sty_unlock_leftovers();
+    if (made < 0 && errno != EEXIST) break;
   }
-  if (made == 0) {
+  *out = name;
+  return made;
+}
+
+static StyStatus fail_temporary(const char *path, int cause, StyError *error) {
+  return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
+                  path, strerror(cause));
+}
+
+StyStatus sty_make_temporary_folder(const char *path, char **out, StyError *error) {
+  char *name = NULL;
+  if (create_temporary(path, create_folder, &name) == 0) {
     *out = name;
     return STY_OK;
   }
   const int cause = errno;
   free(name);
-  return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
-                  path, strerror(cause));
+  return fail_temporary(path, cause, error);
+}
+
+/* Under its final name it is no leftover; what it changed places with is one under the temporary's. */
+int sty_rename_temporary(const char *temporary, const char *path, unsigned flags) {
+  sty_lock_leftovers();
+  const int failed = renameat2(AT_FDCWD, temporary, AT_FDCWD, path, flags);
+  if (!failed && !(flags & RENAME_EXCHANGE)) sty_forget_leftover(temporary);
+  sty_unlock_leftovers();
+  return failed;
+}
+
+void sty_forget_temporary(const char *temporary) {
+  sty_lock_leftovers();
+  sty_forget_leftover(temporary);
+  sty_unlock_leftovers();
 }
 
 StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
@@ -47,19 +83,12 @@ StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
   if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
     return sty_fail(error, STY_ERROR_FILE, "%s: found a folder, expected a file name to write to", path);
   StyOutput output = {NULL, strdup(path), NULL};
-  int descriptor = -1;
-  for (unsigned attempt = 0; output.path && descriptor < 0 && attempt < ATTEMPTS; attempt++) {
-    free(output.temporary);
-    output.temporary = name_temporary(path, attempt);
-    descriptor = output.temporary ? open(output.temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666) : -1;
-    if (descriptor < 0 && errno != EEXIST) break;
-  }
+  const int descriptor = output.path ? create_temporary(path, create_file, &output.temporary) : -1;
   if (descriptor < 0) {
     const int cause = errno;
     free(output.path);
     free(output.temporary);
-    return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
-                    path, strerror(cause));
+    return fail_temporary(path, cause, error);
   }
   output.stream = fdopen(descriptor, "w+b");
   if (!output.stream) {
@@ -86,7 +115,7 @@ StyStatus sty_commit_output(StyOutput *output, StyError *error) {
   StyStatus status = sty_flush_output(output, error);
   const int closed = fclose(output->stream);
   output->stream = NULL;
-  if (!status && (closed != 0 || rename(output->temporary, output->path) != 0))
+  if (!status && (closed != 0 || sty_rename_temporary(output->temporary, output->path, 0) != 0))
     status = fail_output(output, errno, error);
   if (!status) {
     free(output->temporary);
@@ -98,7 +127,10 @@ StyStatus sty_commit_output(StyOutput *output, StyError *error) {
 
 void sty_discard_output(StyOutput *output) {
   if (output->stream) fclose(output->stream);
-  if (output->temporary) unlink(output->temporary);
+  if (output->temporary) {
+    unlink(output->temporary);
+    sty_forget_temporary(output->temporary);
+  }
   free(output->path);
   free(output->temporary);
   *output = (StyOutput){NULL, NULL, NULL};

@@ -59,6 +59,7 @@ void sty_remove_bundle(const char *folder) {
     free(file);
   }
   rmdir(folder);
+  sty_forget_temporary(folder);
 }
 
 StyStatus sty_open_bundle_folder(const char *path, StyBundleFolder *out, StyError *error) {
@@ -143,7 +144,7 @@ static StyStatus move_into_place(StyBundleFolder *folder, StyError *error) {
   struct stat info;
   const bool exists = lstat(folder->path, &info) == 0;
   if (exists) keep_modes(folder);
-  if (renameat2(AT_FDCWD, folder->temporary, AT_FDCWD, folder->path, exists ? RENAME_EXCHANGE : 0) != 0)
+  if (sty_rename_temporary(folder->temporary, folder->path, exists ? RENAME_EXCHANGE : 0) != 0)
     return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a new name or a bundle to replace",
                     folder->path, strerror(errno));
   if (exists) sty_remove_bundle(folder->temporary);
