@@ -427,12 +427,6 @@ StyStatus finish_command(Options *options, StyStatus status) {
   free(options->history);
   options->words = NULL;
   options->history = NULL;
-  /* A full disk behind stdout must not pass for success. */
-  if (fflush(stdout) != 0 && !status) {
-    fprintf(stderr, "stylut: error: standard output: cannot write: %s; expected room for the report\n",
-            strerror(errno));
-    return STY_ERROR_FILE;
-  }
   return status;
 }
 

@@ -44,10 +44,11 @@ static StyStatus run_gnuplot(const char *const *arguments, FILE *in, FILE *out, 
                              StyError *error) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
-  sigset_t none; /* is blocked, as some are here */
+  sigset_t none, all; /* blocked; as they are by default */
   pid_t child;
   int state;
   sigemptyset(&none);
+  sigfillset(&all);
   if (posix_spawn_file_actions_init(&actions) != 0) return sty_fail_memory(error, "gnuplot", 0);
   if (posix_spawnattr_init(&attributes) != 0) {
     posix_spawn_file_actions_destroy(&actions);
@@ -56,7 +57,8 @@ static StyStatus run_gnuplot(const char *const *arguments, FILE *in, FILE *out, 
   int cause = posix_spawn_file_actions_adddup2(&actions, fileno(in), STDIN_FILENO);
   if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, fileno(out), STDOUT_FILENO);
   if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, fileno(said), STDERR_FILENO);
-  if (!cause) cause = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  if (!cause) cause = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  if (!cause) cause = posix_spawnattr_setsigdefault(&attributes, &all);
   if (!cause) cause = posix_spawnattr_setsigmask(&attributes, &none);
   if (!cause) cause = posix_spawnp(&child, "gnuplot", &actions, &attributes, (char *const *)arguments, environ);
   posix_spawn_file_actions_destroy(&actions);

@@ -1,4 +1,6 @@
 /* stylut COMMAND: finds the command and hands the rest of the line to it. */
+#include <errno.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,9 +66,18 @@ static StyStatus print_version(void) {
   return STY_OK;
 }
 
-static StyStatus finish(StyStatus status) {
-  if (fflush(stdout) == 0) return status;
-  fprintf(stderr, "stylut: error: standard output: cannot write, expected room for the text\n");
+/* A full disk behind stdout must not pass for success. A reader that has gone has what it wanted: that ends a program
+ * as it ends others, once its files are whole. */
+static int finish(StyStatus status) {
+  errno = 0;
+  const bool failed = fflush(stdout) != 0 || ferror(stdout);
+  if (failed && errno == EPIPE) {
+    signal(SIGPIPE, SIG_DFL);
+    raise(SIGPIPE);
+  }
+  if (!failed || status) return (int)status;
+  fprintf(stderr, "stylut: error: standard output: cannot write%s%s; expected room for the report\n", errno ? ": " : "",
+          errno ? strerror(errno) : "");
   return STY_ERROR_FILE;
 }
 
@@ -102,15 +113,14 @@ int main(int argc, char **argv) {
     argv[2] = help;
   }
   const char *name = argc > 1 ? argv[1] : "";
-  if (strcmp(name, "--help") == 0 || strcmp(name, "-?") == 0 || strcmp(name, "help") == 0)
-    return (int)finish(print_help());
-  if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) return (int)finish(print_version());
+  if (strcmp(name, "--help") == 0 || strcmp(name, "-?") == 0 || strcmp(name, "help") == 0) return finish(print_help());
+  if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) return finish(print_version());
   for (int i = 0; i < COMMAND_COUNT; i++) {
     if (strcmp(name, commands[i].name) != 0) continue;
     char program[32];
     snprintf(program, sizeof program, "stylut %s", name);
     argv[1] = program;
-    return (int)commands[i].run(argc - 1, argv + 1);
+    return finish(commands[i].run(argc - 1, argv + 1));
   }
   return (int)refuse_command(name);
 }

@@ -46,7 +46,8 @@ int sty_rename_temporary(const char *temporary, const char *path, unsigned flags
 void sty_forget_temporary(const char *temporary);
 
 /* From now on SIGINT, SIGTERM and SIGHUP remove what is in the making before they end the program; for the beginning of
- * main, before there are other threads. Children inherit that these signals are blocked: they unblock them. */
+ * main, before there are other threads. Children inherit that these signals are blocked: they unblock them. SIGPIPE and
+ * SIGXFSZ become errors of writing. */
 void sty_clean_up_when_ended(void);
 
 /* Checks that `path` is a file one can read; says which of missing, a folder,

@@ -74,6 +74,8 @@ void sty_clean_up_when_ended(void) {
   static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
   static sigset_t signals; /* the thread's as long as it lives */
   pthread_t thread;
+  signal(SIGPIPE, SIG_IGN); /* writing fails instead, and its error has a way to go */
+  signal(SIGXFSZ, SIG_IGN);
   sigemptyset(&signals);
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     if (is_heeded(numbers[i])) sigaddset(&signals, numbers[i]);

@@ -56,3 +56,23 @@ hit() {
     expect 'folders' "$(find . -maxdepth 1 -name 'packed*' | wc -l)" 1
   done
 }
+
+@test "a reader that goes away ends a command in silence, with its files whole" {
+  bring sphere.exr
+  local status=0
+  "$STYLUT" lut sphere.exr -s 64 -q -o wanted.exr --no-history
+  { "$STYLUT" lut sphere.exr -s 64 --no-history -o made.exr --format json 2>said || echo $? >status; } | sleep 0
+  expect 'what is said' "$(cat said)" ''
+  expect_same made.exr wanted.exr
+}
+
+@test "a file that may not grow: one line, nothing left" {
+  bring frame.exr packed
+  local before
+  before=$(find . | sort)
+  for command in "guide sphere -s 900 -o made.exr" "stylize packed --guide frame.exr -o made.png" "unpack packed -o made"; do
+    # shellcheck disable=SC2086
+    (ulimit -f 64 && complain_unless_refused 2 made $command) || complain "'stylut $command' passes"
+    expect 'files' "$(find . | sort)" "$before"
+  done
+}
