@@ -85,6 +85,10 @@ static const struct argp parser = {
         "\"guide\" may name a guide file or a scene, \"lut\" a table (or { \"file\": ..., \"sampling\": ... }); "
         "{ \"budget\": { \"p99\": 1 } } (mean, p99, max; degrees) asks for the smallest table that meets it, "
         "\"resolve\" (coherent; frames or both with \"frames\": [ ... ]) chooses among pixels within \"slack\". "
+        "What many styles share stands once, in \"defaults\": { \"guide\", \"base\", \"lut\", \"params\" }; { "
+        "\"glob\": "
+        "\"painted/*.png\" } is a style for each file, named as it is without the extension, which {name} in "
+        "\"guide\" and \"lut\" stands for. "
         "Without \"jitter\" (or a list of them) the table is drawn from --seed. Paths are relative to the manifest.",
     .children = children,
 };
@@ -325,18 +329,17 @@ static bool takes_exact(const StyManifestStyle *style) {
 
 /* The manifest's reader knows no engines; their names are checked here. */
 static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
-  const StyPath styles = {NULL, "styles", 0};
   for (int i = 0; i < manifest->style_count; i++) {
-    const StyPath style = {&styles, NULL, (size_t)i}, lut = {&style, "lut", 0};
+    const StyManifestStyle *style = &manifest->styles[i];
     const StyEngine *engine;
     StyError cause;
-    if (sty_find_engine("engine", manifest->styles[i].lut_engine, &engine, &cause) == STY_OK) {
-      if (engine->exact || !takes_exact(&manifest->styles[i])) continue;
+    if (sty_find_engine("engine", style->lut_engine, &engine, &cause) == STY_OK) {
+      if (engine->exact || !takes_exact(style)) continue;
       sty_fail(&cause, STY_ERROR_USAGE, "one of the exact engines, as budgets and \"resolve\" count from the least");
     }
-    json_t *name = json_string(manifest->styles[i].lut_engine);
+    json_t *name = json_string(style->lut_engine);
     const char *expected = strstr(cause.text, "one of ");
-    sty_fail_value(&manifest->document, &(StyPath){&lut, "engine", 0}, name, expected ? expected : "an engine", error);
+    sty_fail_manifest_lut(manifest, style, "engine", name, expected ? expected : "an engine", error);
     json_decref(name);
     return STY_ERROR_INPUT;
   }

@@ -55,14 +55,16 @@ StyStatus sty_set_parameter(const char *what, const char *name, const char *text
 
 /* ---- manifest: stylut-bundle/1, what people write ---------------------------- */
 
-/* One style. Strings are owned by the manifest; file names are as written, to
- * be joined with the manifest's folder. */
+/* One style, or one of those that a glob stands for, defaults included. Strings are owned by the manifest; file names
+ * are as written, to be joined with the manifest's folder. */
 typedef struct StyManifestStyle {
+  size_t entry; /* of the list "styles" */
   const char *name;
   const char *exemplars[STY_MAX_LIGHTINGS]; /* picture files, parameters.layer_count of them */
   const char *guide;                        /* "sphere", a guide file or a scene */
   double base;                              /* Gaussian that its low frequencies are taken with, pixels; 0: none */
-  const json_t *lut;                        /* as it was written, or NULL: what is below says the same */
+  const json_t *lut;                        /* as it was written, there or in the defaults, or NULL: what is below says
+                                               the same */
   const char *lut_file;                     /* a table brought along, or NULL: build one */
   const char *lut_engine;                   /* name, "auto" unless given */
   int lut_size;                             /* texels a side; 0: as the bundle's others, or as the budget asks */
@@ -80,6 +82,7 @@ typedef struct StyManifest {
   const json_t *jitter; /* picture files whose R and G are the tables, or NULL: seeded */
   int style_count;      /* 1 .. STY_MAX_STYLES */
   StyManifestStyle *styles;
+  json_t *made; /* strings that aren't written there: what globs stand for */
 } StyManifest;
 
 /* One or more file names: a string, or a list of them. NULL: none. */
@@ -90,8 +93,13 @@ const char *sty_get_manifest_name(const json_t *names, size_t i);
 int sty_count_layers(const StyStyle *parameters);
 
 /* STY_ERROR_INPUT for wrong types, unknown keys, values out of range, two styles
- * of one name: with file, line and column. Files named inside aren't opened. */
+ * of one name, globs that no file matches: with file, line and column. Files named inside aren't opened; globs are
+ * matched against the last part of the names in a folder, and give styles in the order of their names' bytes. */
 StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error);
+
+/* STY_ERROR_INPUT for a value of a style's "lut", wherever that was written. */
+StyStatus sty_fail_manifest_lut(const StyManifest *manifest, const StyManifestStyle *style, const char *key,
+                                const json_t *found, const char *expected, StyError *error);
 void sty_close_manifest(StyManifest *manifest);
 
 /* ---- writing ------------------------------------------------------------------ */

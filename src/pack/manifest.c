@@ -1,3 +1,6 @@
+#include <dirent.h>
+#include <errno.h>
+#include <fnmatch.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,7 +92,6 @@ static StyStatus read_exemplars(const StyDocument *document, const StyPath *styl
     if (status) return status;
   }
   out->parameters.layer_count = (int)count;
-  if (count > 1) out->parameters.luma_weight = (float)default_luma_weight;
   return STY_OK;
 }
 
@@ -176,25 +178,190 @@ static StyStatus read_base(const StyDocument *document, const StyPath *path, con
   return status;
 }
 
-static StyStatus read_style(const StyDocument *document, const StyPath *path, const json_t *style,
-                            StyManifestStyle *out, StyError *error) {
-  static const char *const known[] = {"name", "exemplar", "exemplars", "guide", "base", "lut", "params", NULL};
-  *out = (StyManifestStyle){
-      .guide = "sphere",
-      .lut_engine = "auto",
-      .lut_resolve = "nearest",
-      .lut_slack = default_slack,
-      .lut_sampling = "unorm8",
-      .parameters = {.threshold = 24, .top_level = 6, .radius = 1, .layer_count = 1, .jitter_amount = 1, .scale = 1},
-  };
-  StyStatus status = sty_check_keys(document, path, style, known, error);
-  if (!status) status = sty_get_string(document, path, style, "name", 1, &out->name, error);
-  if (!status) status = read_exemplars(document, path, style, out, error);
-  if (!status) status = sty_get_string(document, path, style, "guide", 0, &out->guide, error);
+/* What a style is like where neither it nor the defaults say anything. */
+static const StyManifestStyle plain_style = {
+    .guide = "sphere",
+    .lut_engine = "auto",
+    .lut_resolve = "nearest",
+    .lut_slack = default_slack,
+    .lut_sampling = "unorm8",
+    .parameters = {.threshold = 24, .top_level = 6, .radius = 1, .layer_count = 1, .jitter_amount = 1, .scale = 1},
+};
+
+static void forget_lut(StyManifestStyle *style) {
+  StyManifestStyle fresh = plain_style;
+  fresh.entry = style->entry;
+  fresh.name = style->name;
+  memcpy(fresh.exemplars, style->exemplars, sizeof fresh.exemplars);
+  fresh.guide = style->guide;
+  fresh.base = style->base;
+  fresh.parameters = style->parameters;
+  *style = fresh;
+}
+
+/* What may be said of one style or, as a default, of all. A style's "lut" takes the place of the whole default. */
+static StyStatus read_common(const StyDocument *document, const StyPath *path, const json_t *style,
+                             StyManifestStyle *out, StyError *error) {
+  if (json_object_get(style, "lut")) forget_lut(out);
+  StyStatus status = sty_get_string(document, path, style, "guide", 0, &out->guide, error);
   if (!status) status = read_base(document, path, style, out, error);
-  if (!status) status = read_lut(document, path, style, out, error);
+  if (!status && json_object_get(style, "lut")) status = read_lut(document, path, style, out, error);
   if (!status) status = read_parameters(document, path, json_object_get(style, "params"), &out->parameters, error);
   return status;
+}
+
+static StyStatus read_defaults(const StyDocument *document, StyManifestStyle *out, StyError *error) {
+  static const char *const known[] = {"guide", "base", "lut", "params", NULL};
+  const json_t *defaults = json_object_get(document->root, "defaults");
+  const StyPath path = {NULL, "defaults", 0};
+  *out = plain_style;
+  if (!defaults) return STY_OK;
+  const StyStatus status = sty_check_keys(document, &path, defaults, known, error);
+  return status ? status : read_common(document, &path, defaults, out, error);
+}
+
+/* ---- styles ---- */
+
+/* A string that the manifest owns; NULL when memory is short. */
+static const char *keep_string(StyManifest *manifest, const char *text, size_t length) {
+  json_t *string = json_stringn(text, length);
+  return json_array_append_new(manifest->made, string) == 0 ? json_string_value(string) : NULL;
+}
+
+/* The text with what "{name}" in it stands for. */
+static const char *fill_in_name(StyManifest *manifest, const char *text, const char *name) {
+  static const char place[] = "{name}";
+  const char *at = text ? strstr(text, place) : NULL;
+  if (!at) return text;
+  const size_t size = strlen(text) + strlen(name);
+  char *filled = malloc(size);
+  if (!filled) return NULL;
+  snprintf(filled, size, "%.*s%s%s", (int)(at - text), text, name, at + strlen(place));
+  const char *kept = keep_string(manifest, filled, strlen(filled));
+  free(filled);
+  return kept;
+}
+
+static StyStatus fill_in_names(StyManifest *manifest, StyManifestStyle *style, StyError *error) {
+  const bool has_table = style->lut_file;
+  style->guide = fill_in_name(manifest, style->guide, style->name);
+  style->lut_file = fill_in_name(manifest, style->lut_file, style->name);
+  if (style->guide && (style->lut_file || !has_table)) return STY_OK;
+  return sty_fail_memory(error, manifest->document.name, 0);
+}
+
+/* Whatever stands at `path`, the style's name is its own. */
+static StyStatus add_style(StyManifest *manifest, const StyPath *path, const json_t *named,
+                           const StyManifestStyle *style, StyError *error) {
+  const StyDocument *document = &manifest->document;
+  if (manifest->style_count == STY_MAX_STYLES)
+    return sty_fail_value(document, path, named, "no more than 256 styles in a bundle", error);
+  for (int i = 0; i < manifest->style_count; i++)
+    if (strcmp(manifest->styles[i].name, style->name) == 0) {
+      char found[512];
+      snprintf(found, sizeof found, "'%s'", style->name);
+      return sty_fail_found(document, path, found, "a name no other style has", error);
+    }
+  StyManifestStyle *added = &manifest->styles[manifest->style_count++];
+  *added = *style;
+  return fill_in_names(manifest, added, error);
+}
+
+static int compare_names(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
+
+/* The files of a folder that a glob's last part matches, in order; the caller frees them and the list. */
+static StyStatus list_matches(const char *folder_name, const char *pattern, char ***out, size_t *count,
+                              StyError *error) {
+  DIR *folder = opendir(folder_name);
+  char **names = NULL;
+  size_t found = 0, room = 0;
+  StyStatus status = STY_OK;
+  if (!folder)
+    return sty_fail(error, STY_ERROR_FILE, "%s: cannot read the folder of a glob: %s", folder_name, strerror(errno));
+  for (const struct dirent *entry; !status && (entry = readdir(folder));) {
+    if (fnmatch(pattern, entry->d_name, FNM_PERIOD) != 0) continue;
+    if (found == room) {
+      room = room ? 2 * room : 64;
+      char **grown = realloc(names, room * sizeof *names);
+      if (grown) names = grown;
+      if (!grown) status = sty_fail_memory(error, folder_name, (double)(room * sizeof *names));
+    }
+    if (!status && !(names[found++] = strdup(entry->d_name))) status = sty_fail_memory(error, folder_name, 0);
+  }
+  closedir(folder);
+  if (!status && found) qsort(names, found, sizeof *names, compare_names);
+  *out = names;
+  *count = found;
+  return status;
+}
+
+/* One style a file; what is said beside the glob is said of all. */
+static StyStatus add_match(StyManifest *manifest, const StyPath *path, const json_t *glob, const char *file,
+                           const StyManifestStyle *common, StyError *error) {
+  StyManifestStyle style = *common;
+  const char *pattern = json_string_value(glob), *base = sty_get_base_name(pattern), *dot = strrchr(file, '.');
+  const size_t folder = (size_t)(base - pattern), size = folder + strlen(file) + 1;
+  char *path_name = malloc(size);
+  if (!path_name) return sty_fail_memory(error, manifest->document.name, (double)size);
+  snprintf(path_name, size, "%.*s%s", (int)folder, pattern, file);
+  style.exemplars[0] = keep_string(manifest, path_name, strlen(path_name));
+  style.name = keep_string(manifest, file, dot && dot > file ? (size_t)(dot - file) : strlen(file));
+  free(path_name);
+  if (style.exemplars[0] && style.name) return add_style(manifest, path, glob, &style, error);
+  char found[512];
+  snprintf(found, sizeof found, "a match '%s'", file);
+  return sty_fail_found(&manifest->document, path, found, "names in UTF-8", error);
+}
+
+static StyStatus read_glob(StyManifest *manifest, const StyPath *style_path, const json_t *style,
+                           const StyManifestStyle *common, StyError *error) {
+  const StyDocument *document = &manifest->document;
+  const StyPath path = {style_path, "glob", 0};
+  const json_t *glob = json_object_get(style, "glob");
+  const char *pattern = json_string_value(glob);
+  if (!pattern || !*pattern)
+    return sty_fail_value(document, &path, glob, "a pattern of file names, as \"painted/*.png\"", error);
+  char *folder = sty_get_folder(pattern), *place = folder ? sty_join_path(manifest->folder, folder) : NULL;
+  char **names = NULL;
+  size_t count = 0;
+  StyStatus status = place ? list_matches(place, sty_get_base_name(pattern), &names, &count, error)
+                           : sty_fail_memory(error, document->name, 0);
+  if (!status && count == 0) status = sty_fail_value(document, &path, glob, "a pattern that files match", error);
+  for (size_t i = 0; i < count; i++) {
+    if (!status) status = add_match(manifest, &path, glob, names[i], common, error);
+    free(names[i]);
+  }
+  free(names);
+  free(place);
+  free(folder);
+  return status;
+}
+
+static bool has_parameter(const json_t *style, const char *name) {
+  return json_object_get(json_object_get(style, "params"), name);
+}
+
+static StyStatus read_style(StyManifest *manifest, const StyPath *path, const json_t *style,
+                            const StyManifestStyle *defaults, StyError *error) {
+  static const char *const known[] = {"name", "exemplar", "exemplars", "glob", "guide", "base", "lut", "params", NULL};
+  const StyDocument *document = &manifest->document;
+  StyManifestStyle read = *defaults;
+  read.entry = path->index;
+  const json_t *glob = json_object_get(style, "glob");
+  StyStatus status = sty_check_keys(document, path, style, known, error);
+  if (!status && glob &&
+      (json_object_get(style, "name") || json_object_get(style, "exemplar") || json_object_get(style, "exemplars")))
+    status = sty_fail_value(document, &(StyPath){path, "glob", 0}, glob, "either \"glob\" or a name and its exemplars",
+                            error);
+  if (!status && !glob) status = sty_get_string(document, path, style, "name", 1, &read.name, error);
+  if (!status && !glob) status = read_exemplars(document, path, style, &read, error);
+  if (!status) status = read_common(document, path, style, &read, error);
+  if (status) return status;
+  if (read.parameters.layer_count > 1 && !has_parameter(style, "luma_weight") &&
+      !has_parameter(json_object_get(document->root, "defaults"), "luma_weight"))
+    read.parameters.luma_weight = (float)default_luma_weight;
+  if (glob) return read_glob(manifest, path, style, &read, error);
+  return add_style(manifest, &(StyPath){path, "name", 0}, json_object_get(style, "name"), &read, error);
 }
 
 static StyStatus read_styles(StyManifest *manifest, StyError *error) {
@@ -205,24 +372,19 @@ static StyStatus read_styles(StyManifest *manifest, StyError *error) {
   if (!json_is_array(styles) || count < 1 || count > STY_MAX_STYLES)
     return sty_fail_value(document, styles ? &styles_path : NULL, styles, "a list \"styles\" of 1 to 256 objects",
                           error);
-  manifest->styles = calloc(count, sizeof *manifest->styles);
-  if (!manifest->styles) return sty_fail_memory(error, document->name, (double)(count * sizeof *manifest->styles));
-  manifest->style_count = (int)count;
-  for (size_t i = 0; i < count; i++) {
-    const StyPath path = {&styles_path, NULL, i};
-    const json_t *style = json_array_get(styles, i);
-    const StyStatus status = read_style(document, &path, style, &manifest->styles[i], error);
-    if (status) return status;
-    for (size_t k = 0; k < i; k++)
-      if (strcmp(manifest->styles[k].name, manifest->styles[i].name) == 0)
-        return sty_fail_value(document, &(StyPath){&path, "name", 0}, json_object_get(style, "name"),
-                              "a name no other style has", error);
-  }
-  return STY_OK;
+  StyManifestStyle defaults;
+  manifest->styles = calloc(STY_MAX_STYLES, sizeof *manifest->styles);
+  manifest->made = json_array();
+  if (!manifest->styles || !manifest->made)
+    return sty_fail_memory(error, document->name, STY_MAX_STYLES * sizeof *manifest->styles);
+  StyStatus status = read_defaults(document, &defaults, error);
+  for (size_t i = 0; !status && i < count; i++)
+    status = read_style(manifest, &(StyPath){&styles_path, NULL, i}, json_array_get(styles, i), &defaults, error);
+  return status;
 }
 
 StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error) {
-  static const char *const known[] = {"schema", "styles", "jitter", NULL};
+  static const char *const known[] = {"schema", "defaults", "styles", "jitter", NULL};
   StyManifest manifest = {.folder = sty_get_folder(path)};
   if (!manifest.folder) return sty_fail_memory(error, path, (double)strlen(path));
   StyStatus status = sty_read_document(path, &manifest.document, error);
@@ -244,9 +406,18 @@ StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error)
   return status;
 }
 
+StyStatus sty_fail_manifest_lut(const StyManifest *manifest, const StyManifestStyle *style, const char *key,
+                                const json_t *found, const char *expected, StyError *error) {
+  const StyPath styles = {NULL, "styles", 0}, entry = {&styles, NULL, style->entry}, defaults = {NULL, "defaults", 0};
+  const bool is_default = style->lut == json_object_get(json_object_get(manifest->document.root, "defaults"), "lut");
+  const StyPath lut = {is_default ? &defaults : &entry, "lut", 0};
+  return sty_fail_value(&manifest->document, &(StyPath){&lut, key, 0}, found, expected, error);
+}
+
 void sty_close_manifest(StyManifest *manifest) {
   sty_close_document(&manifest->document);
   free(manifest->folder);
   free(manifest->styles);
+  json_decref(manifest->made);
   *manifest = (StyManifest){.style_count = 0};
 }

@@ -324,12 +324,76 @@ static void test_truncated(void **state) {
   sty_close_manifest(&manifest);
 }
 
+static void test_shared_defaults(void **state) {
+  Scratch *scratch = *state;
+  StyManifest manifest = {0};
+  open_text(scratch,
+            HEAD
+            "[{\"name\": \"a\", \"exemplar\": \"a.png\"},\n"
+            " {\"name\": \"b\", \"exemplar\": \"b.png\", \"guide\": \"b.exr\", \"lut\": {\"engine\": \"brute\"},\n"
+            "  \"params\": {\"radius\": 2}},\n"
+            " {\"name\": \"c\", \"exemplars\": [{\"image\": \"1\", \"luma\": 0}, {\"image\": \"2\", \"luma\": 1}]}],\n"
+            " \"defaults\": {\"guide\": \"{name}/g.exr\", \"lut\": {\"size\": 64},\n"
+            "  \"params\": {\"threshold\": 30, \"luma_weight\": 0, \"radius\": 5}}}",
+            &manifest);
+  const StyManifestStyle *a = manifest.styles, *b = a + 1, *c = a + 2;
+  assert_string_equal(a->guide, "a/g.exr");
+  assert_string_equal(b->guide, "b.exr");
+  assert_string_equal(c->guide, "c/g.exr");
+  assert_int_equal(a->lut_size, 64);
+  assert_int_equal(b->lut_size, 0); /* its own takes the place of the whole */
+  assert_string_equal(a->lut_engine, "auto");
+  assert_string_equal(b->lut_engine, "brute");
+  assert_int_equal(b->parameters.threshold, 30);
+  assert_int_equal(b->parameters.radius, 2);
+  assert_int_equal(c->parameters.radius, 5);
+  assert_true(c->parameters.luma_weight == 0);
+  StyError error;
+  expect_message(sty_fail_manifest_lut(&manifest, a, "size", json_object_get(a->lut, "size"), "more", &error),
+                 STY_ERROR_INPUT, &error, PARTS(":6:", "defaults.lut.size: found 64, expected more"));
+  expect_message(sty_fail_manifest_lut(&manifest, b, "engine", json_object_get(b->lut, "engine"), "less", &error),
+                 STY_ERROR_INPUT, &error, PARTS(":3:", "styles[1].lut.engine: found"));
+  sty_close_manifest(&manifest);
+}
+
+static void test_globs(void **state) {
+  Scratch *scratch = *state;
+  static const char *const files[] = {"b.png", "a.b.png", ".png", ".c.png", "a.jpg", "B.png"};
+  StyManifest manifest = {0};
+  StyError error;
+  for (size_t i = 0; i < sizeof files / sizeof *files; i++) write_bytes(scratch, files[i], "", 0);
+  open_text(scratch,
+            HEAD
+            "[{\"name\": \"first\", \"exemplar\": \"x.png\"},\n"
+            " {\"glob\": \"./*.png\", \"lut\": \"{name}.exr\", \"params\": {\"radius\": 3}}]}",
+            &manifest);
+  static const char *const names[] = {"first", "B", "a.b", "b"}, *const exemplars[] = {"x.png", "./B.png", "./a.b.png",
+                                                                                       "./b.png"};
+  assert_int_equal(manifest.style_count, 4);
+  for (int i = 0; i < 4; i++) {
+    assert_string_equal(manifest.styles[i].name, names[i]);
+    assert_string_equal(manifest.styles[i].exemplars[0], exemplars[i]);
+    assert_int_equal(manifest.styles[i].entry, i > 0);
+    assert_int_equal(manifest.styles[i].parameters.radius, i > 0 ? 3 : 1);
+  }
+  assert_string_equal(manifest.styles[2].lut_file, "a.b.exr");
+  sty_close_manifest(&manifest);
+  expect_fault(scratch, HEAD "[{\"glob\": @\"*.tif\"}]}", "glob");
+  expect_fault(scratch, HEAD "[{\"glob\": @\"\"}]}", "glob");
+  expect_fault(scratch, HEAD "[{\"glob\": @1}]}", "glob");
+  expect_fault(scratch, HEAD "[{\"glob\": @\"*.png\", \"name\": \"a\"}]}", "glob");
+  expect_fault(scratch, HEAD "[{\"name\": \"b\", \"exemplar\": \"x\"}, {\"glob\": @\"*.png\"}]}", "glob");
+  expect_message(read_text(scratch, HEAD "[{\"glob\": \"missing/*.png\"}]}", &manifest, &error), STY_ERROR_FILE, &error,
+                 PARTS("missing"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       scratch_test(test_defaults),         scratch_test(test_every_key),      scratch_test(test_wrong_types),
       scratch_test(test_ranges),           scratch_test(test_lightings),      scratch_test(test_bases_and_budgets),
       scratch_test(test_unknown_keys),     scratch_test(test_missing_keys),   scratch_test(test_duplicates),
       scratch_test(test_number_of_styles), scratch_test(test_not_a_manifest), scratch_test(test_truncated),
+      scratch_test(test_shared_defaults),  scratch_test(test_globs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
