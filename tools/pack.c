@@ -119,20 +119,21 @@ static bool is_same_table(const Packing *packing, const Prepared *a, const Prepa
 /* Share of a guide without paint that no exemplar of the same picture has; paint without guide is common: canvas. */
 static const double most_unpainted = 0.25;
 
-static void review_style(const Packing *packing, const Prepared *prepared) {
-  const Options *options = &packing->arguments->options;
-  const Overlap *overlap = &prepared->source.overlap;
+void review_overlap(const Options *options, const StyManifestStyle *style, const Overlap *overlap) {
   const double unpainted = 1 - (double)overlap->painted / (double)(overlap->guided ? overlap->guided : 1);
   if (unpainted > most_unpainted)
     warn(options,
          "style '%s': found %.0f %% of what its guide covers without paint, expected the guide of the scene that was "
          "painted",
-         clean_text(prepared->style->name), 100 * unpainted);
-  if (prepared->table.holes)
+         clean_text(style->name), 100 * unpainted);
+}
+
+void review_holes(const Options *options, const StyManifestStyle *style, size_t holes) {
+  if (holes)
     warn(options,
          "style '%s': found %zu entries of %s where the exemplar has no paint or the guide is empty, expected them on "
          "paint; without \"lut\" a table is made that is",
-         clean_text(prepared->style->name), prepared->table.holes, clean_text(prepared->style->lut_file));
+         clean_text(style->name), holes, clean_text(style->lut_file));
 }
 
 /* Replaces what `prepared` holds of the style before by this one's; without `tables`, all but its table. */
@@ -147,8 +148,10 @@ static StyStatus prepare_style(const Packing *packing, int number, bool tables, 
   }
   close_prepared(prepared);
   *prepared = next;
-  if (!status) review_style(packing, prepared);
-  return status;
+  if (status) return status;
+  review_overlap(&packing->arguments->options, prepared->style, &prepared->source.overlap);
+  review_holes(&packing->arguments->options, prepared->style, prepared->table.holes);
+  return STY_OK;
 }
 
 static StyStatus read_jitter(const Packing *packing, const char *name, uint8_t *out, StyError *error) {

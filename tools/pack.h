@@ -63,6 +63,25 @@ StyStatus measure_exemplars(Packing *packing, StyError *error);
 StyStatus open_source(const Packing *packing, int style, Source *out, StyError *error);
 void close_source(Source *source);
 
+/* The parts of a source. All have the bundle's size.
+ * RGBA of a style's exemplars, which the caller frees, also after a failure; */
+StyStatus read_exemplars(const Packing *packing, int style, uint8_t *layers[STY_MAX_LIGHTINGS], StyError *error);
+/* 255 where all of them have paint, else 0, a byte a pixel; */
+void find_painted(const uint8_t *const *layers, int lightings, size_t pixels, uint8_t *painted);
+/* A and normals, as the guide has them, */
+StyStatus get_guide(const Packing *packing, int style, StyImage **out, StyError *error);
+/* and less what isn't painted; */
+Overlap uncover_unpainted(StyImage *guide, const uint8_t *painted);
+/* RGBA of that, which the caller frees; */
+StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error);
+/* the exemplars' bases, behind them in `layers`, where the style has any. */
+StyStatus make_bases(const Packing *packing, int style, const StyImage *guide, uint8_t *layers[2 * STY_MAX_LIGHTINGS],
+                     StyError *error);
+
+/* Warn of guides without much paint, and of tables that point where none is. */
+void review_overlap(const Options *options, const StyManifestStyle *style, const Overlap *overlap);
+void review_holes(const Options *options, const StyManifestStyle *style, size_t holes);
+
 /* Reads a picture as RGBA bytes, which the caller frees. */
 StyStatus read_bytes(const char *path, uint8_t **bytes, Size *size, StyError *error);
 

@@ -245,7 +245,7 @@ static StyStatus fit_guide(const Packing *packing, StyImage **guide, StyError *e
 }
 
 /* Spheres become ellipses with their exemplars; scenes are seen anew where the proportions stay. */
-static StyStatus get_guide(const Packing *packing, int number, StyImage **out, StyError *error) {
+StyStatus get_guide(const Packing *packing, int number, StyImage **out, StyError *error) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   const Size from = packing->sizes[number], to = packing->size;
   const bool stays = (long long)from.width * to.height == (long long)to.width * from.height;
@@ -256,47 +256,76 @@ static StyStatus get_guide(const Packing *packing, int number, StyImage **out, S
   return status || is_equal(size, to) ? status : fit_guide(packing, out, error);
 }
 
-static StyStatus read_exemplars(const Packing *packing, int number, Source *source, StyError *error) {
+StyStatus read_exemplars(const Packing *packing, int number, uint8_t *layers[STY_MAX_LIGHTINGS], StyError *error) {
   StyStatus status = STY_OK;
   for (int i = 0; !status && i < packing->manifest.styles[number].parameters.layer_count; i++)
-    status = read_exemplar(packing, number, i, &source->layers[i], error);
+    status = read_exemplar(packing, number, i, &layers[i], error);
   return status;
 }
 
 /* Less than half opaque is a hole that no surface should be given. */
-static void uncover_unpainted(Source *source, int lightings) {
-  float *covered = sty_find_channel(source->guide, "A");
-  for (size_t i = 0; i < sty_count_pixels(source->guide); i++) {
-    bool is_painted = true;
-    for (int k = 0; k < lightings; k++) is_painted &= source->layers[k][4 * i + 3] >= 128;
-    source->overlap.guided += covered[i] > 0;
-    source->overlap.painted += covered[i] > 0 && is_painted;
-    if (!is_painted) covered[i] = 0;
+void find_painted(const uint8_t *const *layers, int lightings, size_t pixels, uint8_t *painted) {
+  for (size_t i = 0; i < pixels; i++) {
+    painted[i] = 255;
+    for (int k = 0; k < lightings; k++)
+      if (layers[k][4 * i + 3] < 128) painted[i] = 0;
   }
 }
 
-static StyStatus encode_guide(Source *source, StyError *error) {
+Overlap uncover_unpainted(StyImage *guide, const uint8_t *painted) {
+  Overlap overlap = {0, 0};
+  float *covered = sty_find_channel(guide, "A");
+  for (size_t i = 0; i < sty_count_pixels(guide); i++) {
+    overlap.guided += covered[i] > 0;
+    overlap.painted += covered[i] > 0 && painted[i];
+    if (!painted[i]) covered[i] = 0;
+  }
+  return overlap;
+}
+
+StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error) {
   StyImage *encoded = NULL;
-  const size_t size = 4 * sty_count_pixels(source->guide);
-  source->texels = malloc(size);
-  if (!source->texels) return sty_fail_memory(error, "guide", (double)size);
-  StyStatus status = sty_encode_normals(source->guide, 8, &encoded, error);
-  if (!status) status = sty_convert_to_rgba8("guide", encoded, source->texels, error);
+  const size_t size = 4 * sty_count_pixels(guide);
+  uint8_t *texels = malloc(size);
+  if (!texels) return sty_fail_memory(error, "guide", (double)size);
+  StyStatus status = sty_encode_normals(guide, 8, &encoded, error);
+  if (!status) status = sty_convert_to_rgba8("guide", encoded, texels, error);
   sty_destroy_image(&encoded);
+  if (status)
+    free(texels);
+  else
+    *out = texels;
+  return status;
+}
+
+static StyStatus mask_guide(Source *source, int lightings, StyError *error) {
+  const size_t pixels = sty_count_pixels(source->guide);
+  uint8_t *painted = malloc(pixels);
+  if (!painted) return sty_fail_memory(error, "guide", (double)pixels);
+  find_painted((const uint8_t *const *)source->layers, lightings, pixels, painted);
+  source->overlap = uncover_unpainted(source->guide, painted);
+  free(painted);
+  return STY_OK;
+}
+
+StyStatus make_bases(const Packing *packing, int number, const StyImage *guide, uint8_t *layers[2 * STY_MAX_LIGHTINGS],
+                     StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const int lightings = style->parameters.layer_count;
+  const StyRun run = {.threads = packing->arguments->options.threads};
+  StyStatus status = STY_OK;
+  for (int i = 0; !status && style->base > 0 && i < lightings; i++)
+    status = sty_make_base(layers[i], guide, style->base, &run, &layers[lightings + i], error);
   return status;
 }
 
 StyStatus open_source(const Packing *packing, int number, Source *out, StyError *error) {
-  const StyManifestStyle *style = &packing->manifest.styles[number];
-  const int lightings = style->parameters.layer_count;
   Source source = {0};
   StyStatus status = get_guide(packing, number, &source.guide, error);
-  if (!status) status = read_exemplars(packing, number, &source, error);
-  if (!status) uncover_unpainted(&source, lightings);
-  if (!status) status = encode_guide(&source, error);
-  const StyRun run = {.threads = packing->arguments->options.threads};
-  for (int i = 0; !status && style->base > 0 && i < lightings; i++)
-    status = sty_make_base(source.layers[i], source.guide, style->base, &run, &source.layers[lightings + i], error);
+  if (!status) status = read_exemplars(packing, number, source.layers, error);
+  if (!status) status = mask_guide(&source, packing->manifest.styles[number].parameters.layer_count, error);
+  if (!status) status = encode_guide(source.guide, &source.texels, error);
+  if (!status) status = make_bases(packing, number, source.guide, source.layers, error);
   if (status)
     close_source(&source);
   else
