@@ -7,7 +7,7 @@
 #include "stylut/lut.h"
 #include "stylut/pack.h"
 
-enum { MOST_JITTERS = 256 };
+enum { MOST_JITTERS = 256, DEFAULT_LUT_SIZE = 256 };
 
 typedef enum Fit { FIT_NONE, FIT_RESIZE, FIT_PAD } Fit;
 
@@ -98,9 +98,20 @@ StyStatus record_input(const Packing *packing, const char *name, StyError *error
 /* What the index says of one style, whose `layer` is the first of its own, and of the jitter tables. */
 json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer, const Table *table);
 json_t *describe_lookup(const Table *table); /* its errors */
+json_t *describe_lut(const Packing *packing, int number, const Table *table);
 json_t *describe_jitter(const Packing *packing);
 
 bool has_budget(const StyManifestStyle *style);
+
+/* The size that a style insists on and all others take, and the first that does; 0: none does. */
+StyStatus find_fixed_size(const Packing *packing, int *out, const StyManifestStyle **by, StyError *error);
+
+/* The smallest size that meets a style's budget, by its guide (less what isn't painted). STY_CHECK_FAILED where none
+ * does. */
+StyStatus choose_lut_size(const Packing *packing, int style, const StyImage *guide, int *out, StyError *error);
+
+/* STY_ERROR_INPUT where a style's budget takes more than the size that `fixed_by` insists on. */
+StyStatus check_lut_size(int fixed, const char *fixed_by, const StyManifestStyle *style, int size, StyError *error);
 
 /* Fills lut_size: what sizes, tables and budgets of the styles come down to. STY_CHECK_FAILED where a budget can't be
  * met. */

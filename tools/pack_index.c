@@ -71,22 +71,26 @@ static json_t *describe_budget(const StyManifestStyle *style) {
   return out;
 }
 
+json_t *describe_lut(const Packing *packing, int number, const Table *table) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling", table->unorm8 ? "unorm8" : "centre",
+                          style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
+  if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));
+  if (has_budget(style)) json_object_set_new(lut, "budget", describe_budget(style));
+  if (table->is_judged) json_object_set_new(lut, "error", describe_lookup(table));
+  return lut;
+}
+
 json_t *describe_style(const Packing *packing, int number, const StyStyle *parameters, int layer, const Table *table) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   json_t *exemplars = json_array();
   for (int i = 0; i < parameters->layer_count; i++)
     json_array_append_new(exemplars, json_pack("{s:s, s:f}", "file", style->exemplars[i], "luma",
                                                sty_shorten_float(parameters->luma[i])));
-  json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling",
-                          parameters->flags & STY_FLAG_UNORM8 ? "unorm8" : "centre",
-                          style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
-  if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));
-  if (has_budget(style)) json_object_set_new(lut, "budget", describe_budget(style));
-  if (table->is_judged) json_object_set_new(lut, "error", describe_lookup(table));
-  json_t *out =
-      json_pack("{s:i, s:s, s:o, s:[ii], s:s, s:o, s:o, s:[ii]}", "id", number + 1, "name", style->name, "exemplars",
-                exemplars, "size", packing->sizes[number].width, packing->sizes[number].height, "guide", style->guide,
-                "lut", lut, "params", sty_describe_parameters(parameters), "layers", layer, parameters->layer_count);
+  json_t *out = json_pack("{s:i, s:s, s:o, s:[ii], s:s, s:o, s:o, s:[ii]}", "id", number + 1, "name", style->name,
+                          "exemplars", exemplars, "size", packing->sizes[number].width, packing->sizes[number].height,
+                          "guide", style->guide, "lut", describe_lut(packing, number, table), "params",
+                          sty_describe_parameters(parameters), "layers", layer, parameters->layer_count);
   if (style->base > 0) json_object_set_new(out, "base", json_real(style->base));
   return out;
 }

@@ -8,8 +8,6 @@
 #include "stylut/audit.h"
 #include "stylut/image_io.h"
 
-enum { DEFAULT_LUT_SIZE = 256 };
-
 /* "unorm8" or "centre", as the manifest's reader made sure; -1 for none. */
 static int get_sampling(const char *name) {
   return !name ? -1 : strcmp(name, "unorm8") == 0 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE;
@@ -60,8 +58,7 @@ static StyStatus fail_budget(const StyManifestStyle *style, const StyFigures *fo
                   style->name, figures[over].name, figures[over].found, at, size, figures[over].most);
 }
 
-/* The size that a style needs to meet its budget. */
-static StyStatus choose_size(const Packing *packing, int number, int *out, StyError *error) {
+StyStatus choose_lut_size(const Packing *packing, int number, const StyImage *guide, int *out, StyError *error) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   const StyBudget budget = get_budget(style);
   const StyLutSpec spec = {.sampling = (StySampling)get_sampling(style->lut_sampling)};
@@ -69,13 +66,11 @@ static StyStatus choose_size(const Packing *packing, int number, int *out, StyEr
   const StyRun run = {.threads = packing->arguments->options.threads};
   StyCandidate candidates[STY_MOST_CANDIDATES];
   int count = 0, chosen = -1;
-  Source source = {0};
   StySites *sites = NULL;
-  StyStatus status = open_source(packing, number, &source, error);
-  if (!status) status = collect(style, source.guide, &sites, error);
+  StyStatus status = collect(style, guide, &sites, error);
   if (!status)
-    status = sty_choose_size(sites, source.guide, &spec, false, STY_ENCODE_RG16, &options, &budget, &run, candidates,
-                             &count, &chosen, error);
+    status = sty_choose_size(sites, guide, &spec, false, STY_ENCODE_RG16, &options, &budget, &run, candidates, &count,
+                             &chosen, error);
   if (!status && chosen < 0) {
     int best = 0;
     for (int c = 1; c < count; c++)
@@ -85,7 +80,6 @@ static StyStatus choose_size(const Packing *packing, int number, int *out, StyEr
   }
   if (!status) *out = candidates[chosen].spec.width;
   sty_destroy_sites(&sites);
-  close_source(&source);
   return status;
 }
 
@@ -97,7 +91,7 @@ static StyStatus fail_sizes(const StyManifestStyle *a, int size_a, const StyMani
 }
 
 /* The size that a style insists on and all others take; 0: none does. */
-static StyStatus find_fixed_size(const Packing *packing, int *out, const StyManifestStyle **by, StyError *error) {
+StyStatus find_fixed_size(const Packing *packing, int *out, const StyManifestStyle **by, StyError *error) {
   const StyManifestStyle *styles = packing->manifest.styles;
   *out = 0;
   for (int i = 0; i < packing->manifest.style_count; i++) {
@@ -112,18 +106,35 @@ static StyStatus find_fixed_size(const Packing *packing, int *out, const StyMani
   return STY_OK;
 }
 
+StyStatus check_lut_size(int fixed, const char *fixed_by, const StyManifestStyle *style, int size, StyError *error) {
+  if (!fixed || size <= fixed) return STY_OK;
+  return sty_fail(
+      error, STY_ERROR_INPUT,
+      "found a LUT of %d texels a side for style '%s', expected the %d that the budget of style '%s' takes: "
+      "one size serves a bundle",
+      fixed, fixed_by, size, style->name);
+}
+
+/* What a style's budget takes, if it has one. */
+static StyStatus find_needed_size(const Packing *packing, int number, int *out, StyError *error) {
+  *out = DEFAULT_LUT_SIZE; /* what styles get that ask for nothing */
+  if (!has_budget(&packing->manifest.styles[number])) return STY_OK;
+  Source source = {0};
+  StyStatus status = open_source(packing, number, &source, error);
+  if (!status) status = choose_lut_size(packing, number, source.guide, out, error);
+  close_source(&source);
+  return status;
+}
+
 StyStatus settle_lut_size(Packing *packing, StyError *error) {
   const StyManifestStyle *styles = packing->manifest.styles, *fixed_by = NULL;
   int fixed = 0, needed = 0;
   StyStatus status = find_fixed_size(packing, &fixed, &fixed_by, error);
   for (int i = 0; !status && i < packing->manifest.style_count; i++) {
-    int size = DEFAULT_LUT_SIZE; /* what styles get that ask for nothing */
-    if (has_budget(&styles[i])) status = choose_size(packing, i, &size, error);
-    if (!status && fixed && has_budget(&styles[i]) && size > fixed)
-      status = sty_fail(error, STY_ERROR_INPUT,
-                        "found a LUT of %d texels a side for style '%s', expected the %d that the budget of style '%s' "
-                        "takes: one size serves a bundle",
-                        fixed, fixed_by->name, size, styles[i].name);
+    int size = 0;
+    status = find_needed_size(packing, i, &size, error);
+    if (!status && has_budget(&styles[i]))
+      status = check_lut_size(fixed, fixed ? fixed_by->name : NULL, &styles[i], size, error);
     if (size > needed) needed = size;
   }
   packing->lut_size = fixed ? fixed : needed;

@@ -97,6 +97,10 @@ int sty_count_layers(const StyStyle *parameters);
  * matched against the last part of the names in a folder, and give styles in the order of their names' bytes. */
 StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error);
 
+/* The same of a document that was read already, and of the folder that its names are relative to. The document is
+ * spent. */
+StyStatus sty_parse_manifest(StyDocument *document, const char *folder, StyManifest *out, StyError *error);
+
 /* STY_ERROR_INPUT for a value of a style's "lut", wherever that was written. */
 StyStatus sty_fail_manifest_lut(const StyManifest *manifest, const StyManifestStyle *style, const char *key,
                                 const json_t *found, const char *expected, StyError *error);
@@ -150,6 +154,11 @@ StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *const *exempla
  * sorted keys. *writer is spent. */
 StyStatus sty_commit_bundle(StyBundleWriter **writer, const uint8_t *jitter, json_t *index, StyError *error);
 void sty_discard_bundle(StyBundleWriter **writer);
+
+/* A bundle of textures that were written one by one, each a file of STY_BUNDLE_* in the folder `parts`, which it links
+ * (copies, where the file system has no links): import settings and the index are written, all is checked, and the
+ * bundle put in its place, as by sty_commit_bundle. */
+StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index, StyError *error);
 
 /* Removes a bundle's files and their folder; stays away from anything else. */
 void sty_remove_bundle(const char *path);

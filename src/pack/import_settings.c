@@ -1,6 +1,7 @@
 #include "pack/import_settings.h"
 
 #include <stdbool.h>
+#include <stdlib.h>
 
 #include "stylut/pack.h"
 
@@ -50,7 +51,7 @@ static json_t *describe_godot(const Use *use) {
                    "repeat_u", mode, "repeat_v", mode);
 }
 
-json_t *sty_describe_import_settings(const StyKtx2 textures[STY_BUNDLE_FILES]) {
+static json_t *describe_settings(const StyKtx2 textures[STY_BUNDLE_FILES]) {
   json_t *files = json_object(), *unity = json_object(), *unreal = json_object(), *godot = json_object();
   for (int i = 0; i < STY_BUNDLE_FILES; i++) {
     json_object_set_new(files, sty_bundle_files[i], describe_texture(&textures[i], &uses[i]));
@@ -61,4 +62,15 @@ json_t *sty_describe_import_settings(const StyKtx2 textures[STY_BUNDLE_FILES]) {
   return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "schema", "stylut-import-settings/1", "note",
                    "Texels begin at `offset`, layer by layer, row 0 at the top, little-endian, without padding.",
                    "textures", files, "unity", unity, "unreal", unreal, "godot", godot);
+}
+
+StyStatus sty_write_import_settings(const StyBundleFolder *folder, const StyKtx2 textures[STY_BUNDLE_FILES],
+                                    StyError *error) {
+  char *file = sty_name_bundle_file(folder, STY_IMPORT_SETTINGS, error);
+  if (!file) return STY_ERROR_LIBRARY;
+  json_t *settings = describe_settings(textures);
+  const StyStatus status = sty_write_json(file, settings, error);
+  json_decref(settings);
+  free(file);
+  return status;
 }

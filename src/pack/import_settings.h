@@ -2,12 +2,11 @@
 #ifndef STYLUT_SRC_PACK_IMPORT_SETTINGS_H
 #define STYLUT_SRC_PACK_IMPORT_SETTINGS_H
 
-#include <jansson.h>
-
+#include "pack/folder.h"
 #include "stylut/ktx2.h"
-#include "stylut/runtime_format.h"
 
-/* The contents of STY_IMPORT_SETTINGS, for textures begun; the caller owns it. */
-json_t *sty_describe_import_settings(const StyKtx2 textures[STY_BUNDLE_FILES]);
+/* Writes STY_IMPORT_SETTINGS into a folder in the making; of the textures only shape and offset are looked at. */
+StyStatus sty_write_import_settings(const StyBundleFolder *folder, const StyKtx2 textures[STY_BUNDLE_FILES],
+                                    StyError *error);
 
 #endif

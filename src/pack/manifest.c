@@ -383,26 +383,40 @@ static StyStatus read_styles(StyManifest *manifest, StyError *error) {
   return status;
 }
 
-StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error) {
+static StyStatus read_root(StyManifest *manifest, StyError *error) {
   static const char *const known[] = {"schema", "defaults", "styles", "jitter", NULL};
-  StyManifest manifest = {.folder = sty_get_folder(path)};
-  if (!manifest.folder) return sty_fail_memory(error, path, (double)strlen(path));
-  StyStatus status = sty_read_document(path, &manifest.document, error);
-  const StyDocument *document = &manifest.document;
+  const StyDocument *document = &manifest->document;
   const char *schema = NULL;
-  if (!status) status = sty_check_keys(document, NULL, document->root, known, error);
+  StyStatus status = sty_check_keys(document, NULL, document->root, known, error);
   if (!status) status = sty_get_string(document, NULL, document->root, "schema", 1, &schema, error);
   if (!status && strcmp(schema, manifest_schema) != 0)
     status = sty_fail_value(document, &(StyPath){NULL, "schema", 0}, json_object_get(document->root, "schema"),
                             "\"stylut-bundle/1\"", error);
   if (!status)
     status = read_names(document, NULL, document->root, "jitter", "a picture file, or a list of 1 to 256",
-                        &manifest.jitter, error);
-  if (!status) status = read_styles(&manifest, error);
+                        &manifest->jitter, error);
+  return status ? status : read_styles(manifest, error);
+}
+
+StyStatus sty_parse_manifest(StyDocument *document, const char *folder, StyManifest *out, StyError *error) {
+  StyManifest manifest = {.document = *document, .folder = strdup(folder)};
+  *document = (StyDocument){NULL, NULL, NULL};
+  const StyStatus status =
+      manifest.folder ? read_root(&manifest, error) : sty_fail_memory(error, folder, (double)strlen(folder));
   if (status)
     sty_close_manifest(&manifest);
   else
     *out = manifest;
+  return status;
+}
+
+StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error) {
+  StyDocument document = {NULL, NULL, NULL};
+  char *folder = sty_get_folder(path);
+  if (!folder) return sty_fail_memory(error, path, (double)strlen(path));
+  StyStatus status = sty_read_document(path, &document, error);
+  if (!status) status = sty_parse_manifest(&document, folder, out, error);
+  free(folder);
   return status;
 }
 
