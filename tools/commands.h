@@ -16,6 +16,8 @@ StyStatus run_check(int argc, char **argv);
 StyStatus run_report(int argc, char **argv);
 StyStatus run_pack(int argc, char **argv);
 StyStatus run_params(int argc, char **argv);
+StyStatus run_batch(int argc, char **argv);
+StyStatus run_step(int argc, char **argv);
 StyStatus run_unpack(int argc, char **argv);
 StyStatus run_stylize(int argc, char **argv);
 StyStatus run_toon(int argc, char **argv);

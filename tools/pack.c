@@ -172,7 +172,7 @@ static StyStatus read_jitter(const Packing *packing, const char *name, uint8_t *
   return status;
 }
 
-static int count_jitters(const Packing *packing) {
+int count_jitters(const Packing *packing) {
   const json_t *files = packing->manifest.jitter;
   return files ? (int)sty_count_manifest_names(files) : packing->arguments->jitter_frames;
 }
@@ -186,8 +186,7 @@ static StyStatus draw_jitters(const Packing *packing, int count, uint8_t *tables
   return status;
 }
 
-/* The tables of the manifest, or drawn ones (not in a dry run); the caller frees them. */
-static StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error) {
+StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error) {
   const json_t *files = packing->manifest.jitter;
   const int count = count_jitters(packing);
   uint8_t *tables = malloc((size_t)count * STY_JITTER_BYTES);

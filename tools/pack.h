@@ -88,6 +88,10 @@ StyStatus read_bytes(const char *path, uint8_t **bytes, Size *size, StyError *er
 /* A file of the manifest; the caller frees it. NULL, with *error, when memory is short. */
 char *find_file(const Packing *packing, const char *name, StyError *error);
 
+/* The tables of the manifest, or drawn ones (not in a dry run), which the caller frees; how many they are. */
+StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error);
+int count_jitters(const Packing *packing);
+
 /* Begins the index's history: the command, and every file that the manifest names; what a scene names joins them when
  * it is read. */
 StyStatus begin_history(Packing *packing, json_t *index, StyError *error);

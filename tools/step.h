@@ -1,0 +1,48 @@
+/* One step of a batch: what its recipe says, and what the steps do. Recipes are JSON, written by `stylut batch` into
+ * its work folder; names of files in them are relative to that folder, or absolute. */
+#ifndef STYLUT_TOOLS_STEP_H
+#define STYLUT_TOOLS_STEP_H
+
+#include "pack.h"
+
+#define STEP_SCHEMA "stylut-step/1"
+
+typedef struct Step {
+  StyDocument recipe;
+  const char *kind, *output;
+  PackArguments arguments;
+  Packing packing; /* of the recipe's "manifest": the bundle's, less what the step doesn't need */
+} Step;
+
+/* A step's file: its output, or the one of this name in a list of the recipe's. NULL, with *error, where there is none.
+ */
+const char *get_step_file(const Step *step, const char *list, size_t i, StyError *error);
+
+/* What a step wrote as name_made(output) takes the output's place, unless that holds the same bytes already: what
+ * depends on it is then left alone. The caller frees the name; NULL, with *error, when memory is short. */
+char *name_made(const char *output, StyError *error);
+StyStatus put_made(const char *output, StyError *error);
+
+/* The guides of a batch are float textures. */
+StyStatus write_guide_texture(const char *path, const StyImage *guide, StyError *error);
+StyStatus read_guide_texture(const char *path, StyImage **out, StyError *error);
+
+/* Masks are PGM: 255 where all exemplars of a style have paint. */
+StyStatus write_mask(const char *path, Size size, const uint8_t *painted, StyError *error);
+StyStatus read_mask(const char *path, Size size, uint8_t **out, StyError *error);
+
+/* A style's guide less what isn't painted, from "guides" and "masks" of the recipe. */
+StyStatus open_masked_guide(const Step *step, int style, StyImage **out, Overlap *overlap, StyError *error);
+
+/* The steps. */
+StyStatus step_guide(Step *step, StyError *error);
+StyStatus step_exemplars(Step *step, StyError *error);
+StyStatus step_guides(Step *step, StyError *error);
+StyStatus step_lut_size(Step *step, StyError *error);
+StyStatus step_lut(Step *step, StyError *error);
+StyStatus step_luts(Step *step, StyError *error);
+StyStatus step_params(Step *step, StyError *error);
+StyStatus step_jitter(Step *step, StyError *error);
+StyStatus step_bundle(Step *step, StyError *error);
+
+#endif

@@ -1,0 +1,213 @@
+/* Steps that make a batch's tables and parameters, and its bundles of all parts. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "parameters.h"
+#include "step.h"
+#include "stylut/ktx2.h"
+
+/* ---- one layer, or as many as there are ---- */
+
+static StyStatus write_texture(const char *output, uint32_t format, int width, int height, int layers,
+                               const void *texels, StyError *error) {
+  StyKtx2 texture;
+  char *made = name_made(output, error);
+  if (!made) return STY_ERROR_LIBRARY;
+  StyStatus status = sty_open_ktx2(made, format, width, height, layers, &texture, error);
+  free(made);
+  if (status) return status;
+  for (int i = 0; !status && i < layers; i++)
+    status = sty_write_ktx2_layer(&texture, (const char *)texels + (size_t)i * texture.layer_size, error);
+  if (status) {
+    sty_discard_ktx2(&texture);
+    return status;
+  }
+  status = sty_commit_ktx2(&texture, error);
+  return status ? status : put_made(output, error);
+}
+
+static StyStatus write_value(const char *output, json_t *value, StyError *error) {
+  char *made = name_made(output, error);
+  StyStatus status = made ? sty_write_json(made, value, error) : STY_ERROR_LIBRARY;
+  if (!status) status = put_made(output, error);
+  json_decref(value);
+  free(made);
+  return status;
+}
+
+/* ---- the size of all tables ---- */
+
+/* What one style's budget takes. */
+StyStatus step_lut_size(Step *step, StyError *error) {
+  const char *fixed_by = NULL;
+  int fixed = 0, size = 0;
+  StyImage *guide = NULL;
+  Overlap overlap;
+  StyStatus status =
+      sty_get_integer(&step->recipe, NULL, step->recipe.root, "fixed", 0, STY_MAX_LUT_SIDE, &fixed, error);
+  if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "fixed_by", 0, &fixed_by, error);
+  if (!status) status = open_masked_guide(step, 0, &guide, &overlap, error);
+  if (!status) status = choose_lut_size(&step->packing, 0, guide, &size, error);
+  if (!status) status = check_lut_size(fixed, fixed_by, step->packing.manifest.styles, size, error);
+  sty_destroy_image(&guide);
+  return status ? status : write_value(step->output, json_pack("{s:i}", "size", size), error);
+}
+
+/* The least that the recipe says, or what budgets take beyond it. */
+static StyStatus find_lut_size(const Step *step, int *out, StyError *error) {
+  const json_t *files = json_object_get(step->recipe.root, "lut_sizes");
+  StyStatus status =
+      sty_get_integer(&step->recipe, NULL, step->recipe.root, "lut_size", 2, STY_MAX_LUT_SIDE, out, error);
+  for (size_t i = 0; !status && i < json_array_size(files); i++) {
+    StyDocument document = {NULL, NULL, NULL};
+    int size = 0;
+    const char *file = get_step_file(step, "lut_sizes", i, error);
+    status = file ? sty_read_document(file, &document, error) : STY_ERROR_INPUT;
+    if (!status) status = sty_get_integer(&document, NULL, document.root, "size", 2, STY_MAX_LUT_SIDE, &size, error);
+    sty_close_document(&document);
+    if (size > *out) *out = size;
+  }
+  return status;
+}
+
+/* ---- tables ---- */
+
+StyStatus step_lut(Step *step, StyError *error) {
+  Packing *packing = &step->packing;
+  const char *facts = NULL;
+  StyImage *guide = NULL;
+  Overlap overlap;
+  Table table = {0};
+  StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "facts", 1, &facts, error);
+  if (!status) status = find_lut_size(step, &packing->lut_size, error);
+  if (!status) status = open_masked_guide(step, 0, &guide, &overlap, error);
+  if (!status) status = make_table(packing, 0, guide, &table, error);
+  if (!status) review_holes(&step->arguments.options, packing->manifest.styles, table.holes);
+  if (!status)
+    status =
+        write_texture(step->output, STY_VK_R16G16_UNORM, packing->lut_size, packing->lut_size, 1, table.texels, error);
+  if (!status) status = write_value(facts, json_pack("{s:o}", "lut", describe_lut(packing, 0, &table)), error);
+  free(table.texels);
+  sty_destroy_image(&guide);
+  return status;
+}
+
+static StyStatus write_luts(const Step *step, int count, StyKtx2 *texture, bool *is_open, const char *made,
+                            StyError *error) {
+  StyStatus status = STY_OK;
+  for (int i = 0; !status && i < count; i++) {
+    StyMapping mapping;
+    StyTexture one;
+    const char *file = get_step_file(step, "luts", (size_t)i, error);
+    status = file ? sty_map_file(file, &mapping, error) : STY_ERROR_INPUT;
+    if (status) return status;
+    if (sty_open_texture((StyBlob){mapping.data, mapping.size}, STY_VK_R16G16_UNORM, &one) != STY_RUNTIME_OK)
+      status = sty_fail(error, STY_ERROR_INPUT, "%s: found no table of a batch, expected one", file);
+    if (!status && !*is_open)
+      status = sty_open_ktx2(made, STY_VK_R16G16_UNORM, (int)one.width, (int)one.height, count, texture, error);
+    *is_open = *is_open || !status;
+    if (!status && ((int)one.width != texture->width || (int)one.height != texture->height))
+      status = sty_fail(error, STY_ERROR_INPUT, "%s: found a table of %ux%u texels, expected %dx%d as the others have",
+                        file, one.width, one.height, texture->width, texture->height);
+    if (!status) status = sty_write_ktx2_layer(texture, one.texels, error);
+    sty_unmap_file(&mapping);
+  }
+  return status;
+}
+
+StyStatus step_luts(Step *step, StyError *error) {
+  const size_t count = json_array_size(json_object_get(step->recipe.root, "luts"));
+  StyKtx2 texture;
+  bool is_open = false;
+  char *made = name_made(step->output, error);
+  if (!made) return STY_ERROR_LIBRARY;
+  StyStatus status = count > 0 && count <= STY_MAX_STYLES
+                         ? write_luts(step, (int)count, &texture, &is_open, made, error)
+                         : sty_fail(error, STY_ERROR_INPUT, "%s: found %zu \"luts\", expected 1 to %d",
+                                    step->recipe.name, count, STY_MAX_STYLES);
+  if (status && is_open) sty_discard_ktx2(&texture);
+  if (!status) status = sty_commit_ktx2(&texture, error);
+  if (!status) status = put_made(step->output, error);
+  free(made);
+  return status;
+}
+
+/* ---- parameters ---- */
+
+/* What the table's step said of it, "lut" of the index. The caller closes the document. */
+static StyStatus read_facts(const Step *step, int style, StyDocument *out, StyError *error) {
+  const char *file = get_step_file(step, "facts", (size_t)style, error);
+  return file ? sty_read_document(file, out, error) : STY_ERROR_INPUT;
+}
+
+static bool is_unorm8(const StyDocument *facts) {
+  const char *sampling = json_string_value(json_object_get(json_object_get(facts->root, "lut"), "sampling"));
+  return sampling && strcmp(sampling, "unorm8") == 0;
+}
+
+StyStatus step_params(Step *step, StyError *error) {
+  const StyManifest *manifest = &step->packing.manifest;
+  const int styles = manifest->style_count,
+            jitters = (int)json_integer_value(json_object_get(step->recipe.root, "jitters"));
+  float(*texels)[4] = calloc((size_t)styles * STY_PARAM_ROWS, sizeof *texels);
+  if (!texels) return sty_fail_memory(error, step->output, (double)styles * STY_PARAM_ROWS * sizeof *texels);
+  StyStatus status = STY_OK;
+  int layer = 0;
+  for (int i = 0; !status && i < styles; i++) {
+    StyDocument facts = {NULL, NULL, NULL};
+    StyStyle placed = manifest->styles[i].parameters;
+    float rows[STY_PARAM_ROWS][4];
+    status = read_facts(step, i, &facts, error);
+    if (status) break;
+    review_parameters(&step->arguments.options, manifest->styles[i].name, &placed, jitters);
+    if (is_unorm8(&facts)) placed.flags |= STY_FLAG_UNORM8;
+    placed.layer = layer;
+    layer += sty_count_layers(&placed);
+    sty_encode_style(&placed, rows);
+    for (int row = 0; row < STY_PARAM_ROWS; row++) memcpy(texels[row * styles + i], rows[row], sizeof rows[row]);
+    sty_close_document(&facts);
+  }
+  if (!status)
+    status = write_texture(step->output, STY_VK_R32G32B32A32_SFLOAT, styles, STY_PARAM_ROWS, 1, texels, error);
+  free(texels);
+  return status;
+}
+
+StyStatus step_jitter(Step *step, StyError *error) {
+  PackArguments *arguments = &step->arguments;
+  const StyDocument *recipe = &step->recipe;
+  StyStatus status =
+      sty_get_integer(recipe, NULL, recipe->root, "jitter_frames", 1, MOST_JITTERS, &arguments->jitter_frames, error);
+  if (!status)
+    status =
+        sty_get_choice(recipe, NULL, recipe->root, "jitter_noise", sty_noise_names, &arguments->jitter_noise, error);
+  arguments->options.seed = (uint64_t)json_integer_value(json_object_get(recipe->root, "seed"));
+  uint8_t *tables = NULL;
+  if (!status) status = get_jitters(&step->packing, &tables, error);
+  if (!status)
+    status = write_texture(step->output, STY_VK_R8G8_UNORM, STY_JITTER_SIZE, STY_JITTER_SIZE,
+                           count_jitters(&step->packing), tables, error);
+  free(tables);
+  return status;
+}
+
+/* ---- bundles ---- */
+
+/* The recipe has the index as far as it is known before anything is made; tables say the rest. */
+StyStatus step_bundle(Step *step, StyError *error) {
+  const char *parts = NULL, *path = NULL;
+  const StyDocument *recipe = &step->recipe;
+  json_t *index = json_object_get(recipe->root, "index"), *style;
+  StyStatus status = sty_get_string(recipe, NULL, recipe->root, "parts", 1, &parts, error);
+  if (!status) status = sty_get_string(recipe, NULL, recipe->root, "bundle", 1, &path, error);
+  size_t i;
+  json_array_foreach(json_object_get(index, "styles"), i, style) {
+    StyDocument facts = {NULL, NULL, NULL};
+    if (!status) status = read_facts(step, (int)i, &facts, error);
+    if (!status) json_object_set(style, "lut", json_object_get(facts.root, "lut"));
+    sty_close_document(&facts);
+  }
+  if (!status && !json_is_object(index))
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found no \"index\", expected an object", recipe->name);
+  return status ? status : sty_assemble_bundle(path, parts, index, error);
+}
