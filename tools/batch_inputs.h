@@ -4,13 +4,33 @@
 #ifndef STYLUT_TOOLS_BATCH_INPUTS_H
 #define STYLUT_TOOLS_BATCH_INPUTS_H
 
-#include "stylut/file.h"
+#include "pack.h"
 
-/* A stamp's name, the folder's name and 33 more. */
+/* A stamp's name: the folder's and 33 more. */
 enum { STAMP_SIZE = 128 };
 
 /* Hashes a file and brings its stamp in `folder` up to date; its name goes to `stamp`. */
 StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], char hash[STY_HASH_SIZE],
                       StyError *error);
+
+/* What is known of files from the last time, so that what hasn't changed since isn't read again. */
+typedef struct Inputs {
+  Records records; /* looks here first */
+  char *file;      /* where it is kept */
+  json_t *known;   /* by path */
+  bool is_new;     /* something was learned */
+} Inputs;
+
+/* A file that is missing or isn't as it should be is as if nothing were known. */
+StyStatus open_inputs(const char *file, Inputs *out, StyError *error);
+StyStatus save_inputs(Inputs *inputs, StyError *error);
+void close_inputs(Inputs *inputs);
+
+/* As stamp_input, by what is known. */
+StyStatus stamp_known_input(Inputs *inputs, const char *folder, const char *path, char stamp[STAMP_SIZE],
+                            StyError *error);
+
+/* Brings all stamps of a folder up to date: those of files that are gone say so. */
+StyStatus refresh_stamps(Inputs *inputs, const char *folder, StyError *error);
 
 #endif

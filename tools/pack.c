@@ -12,10 +12,10 @@
 
 _Static_assert(STY_MAX_LUT_SIDE == STY_MAX_LUT_SIZE, "a bundle holds every square table there can be");
 
-static const char *const fit_names[] = {"none", "resize", "pad", NULL};
+const char *const fit_names[] = {"none", "resize", "pad", NULL};
 
-enum { KEY_FIT = 0x100, KEY_JITTER_FRAMES, KEY_JITTER_NOISE };
-static const struct argp_option options_table[] = {
+enum { KEY_FIT = 0x180, KEY_JITTER_FRAMES, KEY_JITTER_NOISE };
+static const struct argp_option making_options[] = {
     {"fit", KEY_FIT, "HOW", 0,
      "exemplars of differing sizes: none (default) refuses them, resize filters them to the largest width and height, "
      "pad adds what isn't covered at the right and below",
@@ -30,6 +30,28 @@ static const struct argp_option options_table[] = {
      0},
     {0}};
 
+static error_t parse_making(int key, char *text, struct argp_state *state) {
+  PackArguments *arguments = state->input;
+  StyError *error = &arguments->options.error;
+  StyStatus status = STY_OK;
+  long long frames = 0;
+  if (key < KEY_FIT || key > KEY_JITTER_NOISE) return ARGP_ERR_UNKNOWN;
+  begin_option(key, text, state);
+  switch (key) {
+    case KEY_JITTER_FRAMES:
+      status = sty_parse_integer("--jitter-frames", text, 1, MOST_JITTERS, &frames, error);
+      arguments->jitter_frames = (int)frames;
+      break;
+    case KEY_JITTER_NOISE:
+      status = sty_parse_choice("--jitter-noise", text, sty_noise_names, &arguments->jitter_noise, error);
+      break;
+    default: status = sty_parse_choice("--fit", text, fit_names, &arguments->fit, error); break;
+  }
+  return end_option(status);
+}
+
+const struct argp making_argp = {.options = making_options, .parser = parse_making};
+
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   PackArguments *arguments = state->input;
   StyStatus status = STY_OK;
@@ -41,28 +63,14 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
       status = require_argument(&arguments->options, arguments->manifest, "the manifest's file name");
       if (!status) status = require_output(&arguments->options);
       break;
-    case KEY_JITTER_FRAMES: {
-      long long frames = 0;
-      status = sty_parse_integer("--jitter-frames", text, 1, MOST_JITTERS, &frames, &arguments->options.error);
-      arguments->jitter_frames = (int)frames;
-      break;
-    }
-    case KEY_JITTER_NOISE:
-      status = sty_parse_choice("--jitter-noise", text, sty_noise_names, &arguments->jitter_noise,
-                                &arguments->options.error);
-      break;
-    case KEY_FIT:
-      status = sty_parse_choice("--fit", text, fit_names, &arguments->fit, &arguments->options.error);
-      break;
     default: return ARGP_ERR_UNKNOWN;
   }
   return end_option(status);
 }
 
 static const struct argp_child children[] = {
-    {&output_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+    {&making_argp, 0, NULL, 0}, {&output_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
-    .options = options_table,
     .parser = parse_option,
     .args_doc = "MANIFEST.json -o BUNDLE",
     .doc =
@@ -203,7 +211,7 @@ StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error) {
 }
 
 /* Tables are drawn where none are brought. */
-static StyStatus check_jitter(Packing *packing) {
+StyStatus check_jitter(Packing *packing) {
   static const char *const expected = "a manifest without the key \"jitter\", which brings tables of its own";
   const bool draws = !packing->manifest.jitter;
   const OptionNeed needs[] = {{"jitter-frames", draws, expected}, {"jitter-noise", draws, expected}};
@@ -330,7 +338,7 @@ static bool takes_exact(const StyManifestStyle *style) {
 }
 
 /* The manifest's reader knows no engines; their names are checked here. */
-static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
+StyStatus check_engines(const StyManifest *manifest, StyError *error) {
   for (int i = 0; i < manifest->style_count; i++) {
     const StyManifestStyle *style = &manifest->styles[i];
     const StyEngine *engine;
@@ -376,6 +384,7 @@ static StyStatus run(PackArguments *arguments) {
   Packing *packing = calloc(1, sizeof *packing);
   if (!packing) return sty_fail_memory(error, arguments->manifest, sizeof *packing);
   packing->arguments = arguments;
+  packing->command = "pack";
   packing->guides = json_object();
   StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
   if (!status) status = check_engines(&packing->manifest, error);

@@ -10,7 +10,9 @@
 enum { MOST_JITTERS = 256, DEFAULT_LUT_SIZE = 256 };
 
 typedef enum Fit { FIT_NONE, FIT_RESIZE, FIT_PAD } Fit;
+extern const char *const fit_names[]; /* NULL behind the last */
 
+/* First member of the arguments of a command that uses making_argp. */
 typedef struct PackArguments {
   Options options;
   const char *manifest;
@@ -19,12 +21,22 @@ typedef struct PackArguments {
   int jitter_noise;  /* by a StyNoise */
 } PackArguments;
 
+extern const struct argp making_argp; /* --fit --jitter-frames --jitter-noise */
+
 typedef struct Size {
   int width, height;
 } Size;
 
+/* Who knows files by their paths, and needn't look at them anew: SHA-256, and the size of pictures. */
+typedef struct Records {
+  StyStatus (*hash)(struct Records *, const char *path, char out[STY_HASH_SIZE], StyError *error);
+  StyStatus (*measure)(struct Records *, const char *path, Size *out, StyError *error);
+} Records;
+
 typedef struct Packing {
   PackArguments *arguments;
+  const char *command; /* for the history: "pack" or "batch" */
+  Records *records;    /* NULL: nobody */
   StyManifest manifest;
   Size sizes[STY_MAX_STYLES]; /* of each style's exemplars, as their files have them */
   Size size;                  /* that all have in the bundle */
@@ -55,6 +67,16 @@ typedef struct Table {
   StyFigures lookup; /* how far its answers are off, degrees */
   size_t holes;      /* texels that name a pixel without guide or paint */
 } Table;
+
+/* What a manifest's reader can't know: names of engines, and whether jitter is asked for twice. */
+StyStatus check_engines(const StyManifest *manifest, StyError *error);
+StyStatus check_jitter(Packing *packing);
+
+/* A picture's size, by its name in the manifest. */
+StyStatus measure_picture(const Packing *packing, const char *name, Size *out, StyError *error);
+
+/* STY_ERROR_INPUT where a guide's file isn't of its exemplar's size. */
+StyStatus check_guide_fits(const StyManifestStyle *style, Size exemplar, Size guide, StyError *error);
 
 /* Fills sizes and size from the exemplars' headers. STY_ERROR_INPUT where they differ and no --fit says what to do. */
 StyStatus measure_exemplars(Packing *packing, StyError *error);

@@ -6,11 +6,16 @@
 #include "pack.h"
 #include "stylut/parse.h"
 
+static StyStatus hash_input(const Packing *packing, const char *path, char out[STY_HASH_SIZE], StyError *error) {
+  return packing->records ? packing->records->hash(packing->records, path, out, error)
+                          : sty_hash_file(path, out, error);
+}
+
 StyStatus record_input(const Packing *packing, const char *name, StyError *error) {
   char hash[STY_HASH_SIZE];
   if (!packing->inputs || !name || json_object_get(packing->inputs, name)) return STY_OK;
   char *path = find_file(packing, name, error);
-  const StyStatus status = path ? sty_hash_file(path, hash, error) : STY_ERROR_LIBRARY;
+  const StyStatus status = path ? hash_input(packing, path, hash, error) : STY_ERROR_LIBRARY;
   if (!status) json_object_set_new(packing->inputs, name, json_string(hash));
   free(path);
   return status;
@@ -26,12 +31,13 @@ static StyStatus record_inputs(const Packing *packing, const json_t *names, StyE
 StyStatus begin_history(Packing *packing, json_t *index, StyError *error) {
   char hash[STY_HASH_SIZE];
   const StyManifest *manifest = &packing->manifest;
-  StyStatus status = sty_hash_file(packing->arguments->manifest, hash, error);
+  StyStatus status = hash_input(packing, packing->arguments->manifest, hash, error);
   if (status) return status;
   packing->inputs = json_object();
-  json_object_set_new(index, "history",
-                      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&packing->arguments->options, "pack"),
-                                "manifest", hash, "inputs", packing->inputs));
+  json_object_set_new(
+      index, "history",
+      json_pack("{s:o, s:s, s:o}", "command", get_command_line(&packing->arguments->options, packing->command),
+                "manifest", hash, "inputs", packing->inputs));
   status = record_inputs(packing, manifest->jitter, error);
   for (int i = 0; !status && i < manifest->style_count; i++) {
     const StyManifestStyle *style = &manifest->styles[i];

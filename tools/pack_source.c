@@ -17,24 +17,25 @@ static bool is_equal(Size a, Size b) { return a.width == b.width && a.height == 
 
 /* ---- sizes ---- */
 
-static StyStatus measure_file(const Packing *packing, const char *name, Size *out, StyError *error) {
+StyStatus measure_picture(const Packing *packing, const char *name, Size *out, StyError *error) {
   StyImageShape shape = {0};
   char *path = find_file(packing, name, error);
   if (!path) return STY_ERROR_LIBRARY;
-  const StyStatus status = sty_read_image_shape(path, &shape, error);
+  const StyStatus status = packing->records ? packing->records->measure(packing->records, path, out, error)
+                                            : sty_read_image_shape(path, &shape, error);
   free(path);
-  *out = (Size){shape.width, shape.height};
+  if (!packing->records) *out = (Size){shape.width, shape.height};
   return status;
 }
 
 static StyStatus measure_style(const Packing *packing, const StyManifestStyle *style, Size *out, StyError *error) {
-  StyStatus status = measure_file(packing, style->exemplars[0], out, error);
+  StyStatus status = measure_picture(packing, style->exemplars[0], out, error);
   if (!status && (out->width > STY_MAX_SOURCE_SIDE || out->height > STY_MAX_SOURCE_SIDE))
     status = sty_fail(error, STY_ERROR_INPUT, "style '%s': found exemplar %s of %dx%d pixels, expected sides up to %d",
                       style->name, style->exemplars[0], out->width, out->height, STY_MAX_SOURCE_SIDE);
   for (int i = 1; !status && i < style->parameters.layer_count; i++) {
     Size size;
-    status = measure_file(packing, style->exemplars[i], &size, error);
+    status = measure_picture(packing, style->exemplars[i], &size, error);
     if (!status && !is_equal(size, *out))
       status = sty_fail(error, STY_ERROR_INPUT,
                         "style '%s': found exemplars %s of %dx%d and %s of %dx%d pixels, expected one size in a style",
@@ -198,6 +199,13 @@ static StyStatus read_guide_file(const Packing *packing, const char *name, const
   return read_guide(&options, path, out, error);
 }
 
+StyStatus check_guide_fits(const StyManifestStyle *style, Size exemplar, Size guide, StyError *error) {
+  if (is_equal(guide, exemplar)) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "style '%s': found exemplar %s of %dx%d and guide %s of %dx%d pixels, expected one size", style->name,
+                  style->exemplars[0], exemplar.width, exemplar.height, style->guide, guide.width, guide.height);
+}
+
 /* The guide as it is, of the size asked for; files have that of their exemplar. */
 static StyStatus make_guide(const Packing *packing, const StyManifestStyle *style, Size size, StyImage **out,
                             StyError *error) {
@@ -207,12 +215,9 @@ static StyStatus make_guide(const Packing *packing, const StyManifestStyle *styl
   const bool is_scene = sty_is_scene_file(path);
   StyStatus status = is_scene ? trace_scene(packing, path, size, out, error)
                               : read_guide_file(packing, style->guide, path, out, error);
-  if (!status && !is_equal((Size){(*out)->width, (*out)->height}, size)) {
-    status =
-        sty_fail(error, STY_ERROR_INPUT,
-                 "style '%s': found exemplar %s of %dx%d and guide %s of %dx%d pixels, expected one size", style->name,
-                 style->exemplars[0], size.width, size.height, style->guide, (*out)->width, (*out)->height);
-    sty_destroy_image(out);
+  if (!status) {
+    status = check_guide_fits(style, size, (Size){(*out)->width, (*out)->height}, error);
+    if (status) sty_destroy_image(out);
   }
   free(path);
   return status;

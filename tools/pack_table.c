@@ -25,12 +25,9 @@ static StyStatus collect(const StyManifestStyle *style, const StyImage *guide, S
 static StyStatus get_fixed_size(const Packing *packing, const StyManifestStyle *style, int *out, StyError *error) {
   *out = style->lut_size;
   if (!style->lut_file) return STY_OK;
-  StyImageShape shape;
-  char *path = find_file(packing, style->lut_file, error);
-  if (!path) return STY_ERROR_LIBRARY;
-  const StyStatus status = sty_read_image_shape(path, &shape, error);
-  free(path);
-  if (!status) *out = shape.width;
+  Size size = {0};
+  const StyStatus status = measure_picture(packing, style->lut_file, &size, error);
+  if (!status) *out = size.width;
   return status;
 }
 

@@ -31,6 +31,8 @@ static const Command commands[] = {
     {"report", "show the audit of a table as a page with maps and charts", run_report},
     {"chart", "draw speed against accuracy over engines, sizes, maps and encodings", run_chart},
     {"pack", "pack exemplars, guides and tables into a bundle", run_pack},
+    {"batch", "pack many bundles, and only what has changed since the last time", run_batch},
+    {"step", "do one step of a batch, for its ninja file", run_step},
     {"params", "print a bundle's parameters, and change them in place", run_params},
     {"unpack", "take a bundle apart into pictures and a manifest", run_unpack},
     {"stylize", "dress a frame's guide in a bundle's style", run_stylize},

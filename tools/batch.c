@@ -1,0 +1,86 @@
+/* stylut batch MANIFEST.json... -o FOLDER */
+#include "batch.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+
+enum { KEY_JUNIT = 0x400 };
+static const struct argp_option options_table[] = {
+    {"keep-going", 'k', NULL, 0, "go on with what doesn't need a step that failed, and say all failures at the end", 0},
+    {"junit", KEY_JUNIT, "FILE.xml", 0, "write what came of each step as JUnit XML, for CI", UNRECORDED},
+    {0}};
+
+static StyStatus add_manifest(BatchArguments *arguments, const char *text) {
+  const size_t size = (size_t)(arguments->manifest_count + 1) * sizeof *arguments->manifests;
+  const char **longer = realloc(arguments->manifests, size);
+  if (!longer) return sty_fail_memory(&arguments->making.options.error, text, (double)size);
+  arguments->manifests = longer;
+  arguments->manifests[arguments->manifest_count++] = text;
+  return STY_OK;
+}
+
+static error_t parse_option(int key, char *text, struct argp_state *state) {
+  BatchArguments *arguments = state->input;
+  Options *options = &arguments->making.options;
+  StyStatus status = STY_OK;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG: status = add_manifest(arguments, text); break;
+    case ARGP_KEY_END:
+      status = require_argument(options, arguments->manifest_count ? "" : NULL, "one or more manifests");
+      if (!status) status = require_output(options);
+      if (!status && arguments->junit) status = require_folder(options, arguments->junit);
+      break;
+    case 'k': arguments->keep_going = true; break;
+    case KEY_JUNIT: arguments->junit = text; break;
+    default: return ARGP_ERR_UNKNOWN;
+  }
+  return end_option(status);
+}
+
+static const struct argp_child children[] = {
+    {&making_argp, 0, NULL, 0}, {&output_argp, 0, NULL, 0}, {&seed_argp, 0, NULL, 0}, {&common_argp, 0, NULL, 0}, {0}};
+static const struct argp parser = {
+    .options = options_table,
+    .parser = parse_option,
+    .args_doc = "MANIFEST.json... -o FOLDER",
+    .doc =
+        "Packs a bundle for each manifest into a folder, FOLDER/NAME for NAME.json, and makes only what has changed "
+        "since the last time: guides, tables and textures are steps of their own, which ninja takes in parallel. What "
+        "was interrupted goes on where it was.\v"
+        "Manifests are those of 'stylut pack'. Changes are told by content: a file that was touched, or checked out "
+        "anew, costs nothing. FOLDER/" WORK_FOLDER
+        " holds what is in between, among it build.ninja and the recipe of each step ('stylut step' does one); it may "
+        "be removed at any time, and everything is made anew then. Exit code: that of the first step that failed.",
+    .children = children,
+};
+
+/* The first failure's. */
+static StyStatus find_failure(const Plan *plan) {
+  for (int i = 0; i < plan->step_count; i++)
+    if (plan->steps[i].state == STEP_FAILED) return plan->steps[i].code ? plan->steps[i].code : STY_ERROR_LIBRARY;
+  return STY_OK;
+}
+
+static StyStatus run(BatchArguments *arguments) {
+  StyError *error = &arguments->making.options.error;
+  const double start = sty_get_milliseconds();
+  Plan plan;
+  StyStatus status = open_plan(arguments, &plan, error);
+  if (!status) status = run_plan(&plan, arguments->making.options.dry_run, error);
+  if (!status) status = report_plan(&plan, sty_get_milliseconds() - start, error);
+  const StyStatus failed = status ? STY_OK : find_failure(&plan);
+  close_plan(&plan);
+  return failed ? failed : status; /* the report has said why */
+}
+
+StyStatus run_batch(int argc, char **argv) {
+  BatchArguments arguments = {.making = {.jitter_frames = 1}};
+  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
+  if (!status && !arguments.making.options.helped) status = run(&arguments);
+  free(arguments.manifests);
+  return finish_command(&arguments.making.options, status);
+}
