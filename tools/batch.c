@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "commands.h"
 
@@ -65,12 +66,24 @@ static StyStatus find_failure(const Plan *plan) {
   return STY_OK;
 }
 
+/* Where nothing was made yet, all is to be done, and a dry run leaves no trace of that. */
+static StyStatus do_plan(Plan *plan, StyError *error) {
+  const bool dry = plan->arguments->making.options.dry_run;
+  if (dry && access(plan->folder, F_OK) != 0) {
+    for (int i = 0; i < plan->step_count; i++)
+      if (plan->steps[i].state == STEP_LEFT) plan->steps[i].state = STEP_DONE;
+    return STY_OK;
+  }
+  const StyStatus status = write_plan(plan, error);
+  return status ? status : run_plan(plan, dry, error);
+}
+
 static StyStatus run(BatchArguments *arguments) {
   StyError *error = &arguments->making.options.error;
   const double start = sty_get_milliseconds();
   Plan plan;
   StyStatus status = open_plan(arguments, &plan, error);
-  if (!status) status = run_plan(&plan, arguments->making.options.dry_run, error);
+  if (!status) status = do_plan(&plan, error);
   if (!status) status = report_plan(&plan, sty_get_milliseconds() - start, error);
   const StyStatus failed = status ? STY_OK : find_failure(&plan);
   close_plan(&plan);

@@ -32,9 +32,8 @@ typedef struct Plan {
   BatchArguments *arguments;
   char *folder; /* the work folder, which holds build.ninja */
   Inputs inputs;
-  FILE *ninja; /* while the plan is made */
-  char *text;  /* of build.ninja */
-  size_t text_size;
+  json_t *files;  /* texts of the work folder's files, by name */
+  FILE *ninja;    /* while the plan is made */
   json_t *guides; /* those that have a step already, by their names */
   PlannedStep *steps;
   int step_count, step_room;
@@ -43,13 +42,18 @@ typedef struct Plan {
 } Plan;
 
 #define WORK_FOLDER ".stylut"
+#define STAMPS "inputs" /* a folder in it */
 
 /* What a step that failed ends with: its exit code follows. */
 #define STEP_EXIT "stylut: exit "
 
-/* Makes the plan of all manifests: recipes, stamps and build.ninja in the work folder. */
+/* Makes the plan of all manifests: recipes, stamps and build.ninja, all in memory. The caller closes it, after a
+ * failure too. */
 StyStatus open_plan(BatchArguments *arguments, Plan *out, StyError *error);
 void close_plan(Plan *plan);
+
+/* Writes it into the work folder. */
+StyStatus write_plan(Plan *plan, StyError *error);
 
 /* Has ninja do what is to be done. Steps that fail aren't a failure of this: they are marked so. STY_ERROR_UNAVAILABLE
  * where ninja isn't found. */

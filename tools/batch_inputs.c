@@ -1,6 +1,5 @@
 #include "batch_inputs.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -10,37 +9,50 @@
 
 /* ---- stamps ---- */
 
-static void name_stamp(const char *folder, const char *path, char out[STAMP_SIZE]) {
+void name_stamp(const char *folder, const char *path, char out[STAMP_SIZE]) {
   char id[STY_HASH_SIZE];
   sty_hash_bytes(path, strlen(path), id);
   snprintf(out, STAMP_SIZE, "%.*s/%.32s", STAMP_SIZE - 34, folder, id);
 }
 
-/* The text of a stamp, which the caller frees; NULL where there is none. */
-static char *read_stamp(const char *stamp) {
-  unsigned char *text = NULL;
-  size_t size = 0;
-  return sty_read_file(stamp, 1 << 16, &text, &size, NULL) == STY_OK ? (char *)text : NULL;
+char *format_stamp(const char *path, const char *hash) {
+  const size_t size = strlen(hash) + strlen(path) + sizeof "  \n";
+  char *text = malloc(size);
+  if (text) snprintf(text, size, "%s  %s\n", hash, path);
+  return text;
 }
 
-static StyStatus put_stamp(const char *folder, const char *path, const char *hash, char stamp[STAMP_SIZE],
-                           StyError *error) {
-  StyOutput output;
-  name_stamp(folder, path, stamp);
-  char *text = read_stamp(stamp);
-  const bool is_same = text && strncmp(text, hash, strlen(hash)) == 0; /* what follows goes with the stamp's name */
+enum { MOST_STAMP = 1 << 16 };
+
+char *read_stamp(const char *stamp) {
+  unsigned char *text = NULL;
+  size_t size = 0;
+  if (sty_read_file(stamp, MOST_STAMP, &text, &size, NULL) != STY_OK) return NULL;
+  const char *path = strstr((const char *)text, "  ");
+  char *out = path ? strndup(path + 2, strcspn(path + 2, "\n")) : NULL;
   free(text);
-  if (is_same) return STY_OK;
-  const StyStatus status = sty_open_output(stamp, &output, error);
-  if (status) return status;
-  fprintf(output.stream, "%s  %s\n", hash, path);
-  return sty_commit_output(&output, error);
+  return out;
 }
 
 StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], char hash[STY_HASH_SIZE],
                       StyError *error) {
-  const StyStatus status = sty_hash_file(path, hash, error);
-  return status ? status : put_stamp(folder, path, hash, stamp, error);
+  unsigned char *held = NULL;
+  size_t size = 0;
+  StyOutput output;
+  StyStatus status = sty_hash_file(path, hash, error);
+  char *text = status ? NULL : format_stamp(path, hash);
+  if (!status && !text) status = sty_fail_memory(error, path, 0);
+  name_stamp(folder, path, stamp);
+  const bool is_same = !status && sty_read_file(stamp, MOST_STAMP, &held, &size, NULL) == STY_OK &&
+                       strcmp((const char *)held, text) == 0;
+  if (!status && !is_same) status = sty_open_output(stamp, &output, error);
+  if (!status && !is_same) {
+    fputs(text, output.stream);
+    status = sty_commit_output(&output, error);
+  }
+  free(held);
+  free(text);
+  return status;
 }
 
 /* ---- what is known ---- */
@@ -123,32 +135,4 @@ void close_inputs(Inputs *inputs) {
   json_decref(inputs->known);
   free(inputs->file);
   *inputs = (Inputs){.file = NULL};
-}
-
-StyStatus stamp_known_input(Inputs *inputs, const char *folder, const char *path, char stamp[STAMP_SIZE],
-                            StyError *error) {
-  char hash[STY_HASH_SIZE];
-  const StyStatus status = hash_known(&inputs->records, path, hash, error);
-  return status ? status : put_stamp(folder, path, hash, stamp, error);
-}
-
-StyStatus refresh_stamps(Inputs *inputs, const char *folder_name, StyError *error) {
-  DIR *folder = opendir(folder_name);
-  StyStatus status = STY_OK;
-  if (!folder) return STY_OK; /* there are none yet */
-  for (const struct dirent *entry; !status && (entry = readdir(folder));) {
-    char stamp[STAMP_SIZE], hash[STY_HASH_SIZE];
-    if (strlen(entry->d_name) != 32) continue;
-    snprintf(stamp, sizeof stamp, "%.*s/%s", STAMP_SIZE - 34, folder_name, entry->d_name);
-    char *text = read_stamp(stamp), *path = text ? strstr(text, "  ") : NULL;
-    if (path) {
-      path += 2;
-      path[strcspn(path, "\n")] = 0;
-      if (hash_known(&inputs->records, path, hash, NULL) != STY_OK) snprintf(hash, sizeof hash, "missing");
-      status = put_stamp(folder_name, path, hash, stamp, error);
-    }
-    free(text);
-  }
-  closedir(folder);
-  return status;
 }

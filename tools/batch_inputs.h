@@ -8,6 +8,11 @@
 
 /* A stamp's name: the folder's and 33 more. */
 enum { STAMP_SIZE = 128 };
+void name_stamp(const char *folder, const char *path, char out[STAMP_SIZE]);
+
+/* What it holds; and whose it is, NULL where it isn't one. The caller frees both; NULL, too, when memory is short. */
+char *format_stamp(const char *path, const char *hash);
+char *read_stamp(const char *stamp);
 
 /* Hashes a file and brings its stamp in `folder` up to date; its name goes to `stamp`. */
 StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], char hash[STY_HASH_SIZE],
@@ -25,12 +30,5 @@ typedef struct Inputs {
 StyStatus open_inputs(const char *file, Inputs *out, StyError *error);
 StyStatus save_inputs(Inputs *inputs, StyError *error);
 void close_inputs(Inputs *inputs);
-
-/* As stamp_input, by what is known. */
-StyStatus stamp_known_input(Inputs *inputs, const char *folder, const char *path, char stamp[STAMP_SIZE],
-                            StyError *error);
-
-/* Brings all stamps of a folder up to date: those of files that are gone say so. */
-StyStatus refresh_stamps(Inputs *inputs, const char *folder, StyError *error);
 
 #endif

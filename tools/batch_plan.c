@@ -1,4 +1,5 @@
 /* The plan of a batch: which steps there are, and what each depends on. */
+#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,44 +14,10 @@
 
 enum { NAME_SIZE = 512 };
 
-static StyStatus make_folder(const char *path, StyError *error) {
-  if (mkdir(path, 0777) == 0 || errno == EEXIST) return STY_OK;
-  return sty_fail(error, STY_ERROR_FILE, "%s: cannot make the folder: %s", path, strerror(errno));
-}
-
-/* A folder within the work folder. */
-static StyStatus make_inner_folder(const Plan *plan, const char *name, StyError *error) {
-  char *path = sty_join_path(plan->folder, name);
-  const StyStatus status = path ? make_folder(path, error) : sty_fail_memory(error, name, 0);
-  free(path);
-  return status;
-}
-
-static bool holds_text(const char *path, const char *text) {
-  unsigned char *held = NULL;
-  size_t size = 0;
-  const size_t length = strlen(text);
-  const bool holds =
-      sty_read_file(path, 1 << 26, &held, &size, NULL) == STY_OK && size == length && memcmp(held, text, length) == 0;
-  free(held);
-  return holds;
-}
-
-/* Files that stay as they are keep their time. */
+/* To be written once the whole plan is made. */
 static StyStatus put_text(const Plan *plan, const char *name, const char *text, StyError *error) {
-  StyOutput output;
-  char *path = sty_join_path(plan->folder, name);
-  if (!path) return sty_fail_memory(error, name, 0);
-  StyStatus status = STY_OK;
-  if (!holds_text(path, text)) {
-    status = sty_open_output(path, &output, error);
-    if (!status) {
-      fputs(text, output.stream);
-      status = sty_commit_output(&output, error);
-    }
-  }
-  free(path);
-  return status;
+  if (json_object_set_new(plan->files, name, json_string(text)) == 0) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found a name that isn't UTF-8, expected one that is", name);
 }
 
 /* Spends the recipe. */
@@ -106,6 +73,20 @@ static StyStatus add_step(Plan *plan, int bundle, const char *what, StyError *er
   char *copy = strdup(what);
   if (!copy) return sty_fail_memory(error, "plan", (double)strlen(what));
   plan->steps[plan->step_count++] = (PlannedStep){.what = copy, .bundle = bundle};
+  return STY_OK;
+}
+
+/* What keeps a bundle from being planned. */
+static StyStatus add_failure(Plan *plan, int bundle, StyStatus code, StyError *error) {
+  char said[sizeof error->text + 32];
+  snprintf(said, sizeof said, "stylut: error: %s\n", error->text);
+  const StyStatus status = add_step(plan, bundle, "plan", error);
+  if (status) return status;
+  PlannedStep *step = &plan->steps[plan->step_count - 1];
+  step->state = STEP_FAILED;
+  step->code = code;
+  step->said = strdup(said);
+  error->status = STY_OK;
   return STY_OK;
 }
 
@@ -166,18 +147,22 @@ static const char *find_absolute(const Bundle *bundle, const char *name, json_t 
   return json_array_append_new(keeper, string) == 0 ? json_string_value(string) : "";
 }
 
+static StyStatus put_stamp(Plan *plan, const char *path, char name[STAMP_SIZE], StyError *error) {
+  char hash[STY_HASH_SIZE];
+  name_stamp(STAMPS, path, name);
+  StyStatus status = plan->inputs.records.hash(&plan->inputs.records, path, hash, error);
+  char *text = status ? NULL : format_stamp(path, hash);
+  if (!status && !text) status = sty_fail_memory(error, path, 0);
+  if (!status) status = put_text(plan, name, text, error);
+  free(text);
+  return status;
+}
+
 static StyStatus add_input(const Bundle *bundle, const char *name, Edge *edge, StyError *error) {
-  char stamp[STAMP_SIZE], *inputs = sty_join_path(bundle->plan->folder, "inputs");
-  char *path = sty_join_path(bundle->root, name);
-  StyStatus status = path && inputs ? stamp_known_input(&bundle->plan->inputs, inputs, path, stamp, error)
-                                    : sty_fail_memory(error, name, 0);
-  if (!status) {
-    char within[STAMP_SIZE];
-    snprintf(within, sizeof within, "inputs/%s", sty_get_base_name(stamp));
-    add_name(edge->inputs, within);
-  }
+  char stamp[STAMP_SIZE], *path = sty_join_path(bundle->root, name);
+  const StyStatus status = path ? put_stamp(bundle->plan, path, stamp, error) : sty_fail_memory(error, name, 0);
+  if (!status) add_name(edge->inputs, stamp);
   free(path);
-  free(inputs);
   return status;
 }
 
@@ -297,7 +282,7 @@ static StyStatus plan_guide(Bundle *bundle, int number, StyError *error) {
   add_name(edge.outputs, output);
   if (is_scene) {
     json_object_set_new(recipe, "depfile", json_string(depfile));
-    json_object_set_new(recipe, "inputs", json_string("inputs"));
+    json_object_set_new(recipe, "inputs", json_string(STAMPS));
     edge.depfile = depfile;
     edge.is_wide = true;
   }
@@ -463,9 +448,14 @@ static StyStatus plan_params(Bundle *bundle, StyError *error) {
   name_part(bundle, "params.json", recipe_name);
   Edge edge = begin_edge(recipe_name);
   add_name(edge.outputs, output);
-  json_array_extend(edge.inputs, bundle->facts);
-  json_t *recipe = begin_recipe(bundle, "params", output, -1, WITH_BASE | WITH_PARAMS);
-  json_object_set(recipe, "facts", bundle->facts);
+  json_t *recipe = begin_recipe(bundle, "params", output, -1, WITH_BASE | WITH_PARAMS), *unorm8 = json_array();
+  json_object_set_new(recipe, "unorm8", unorm8);
+  for (int i = 0; i < bundle->packing->manifest.style_count; i++) {
+    const char *sampling = bundle->packing->manifest.styles[i].lut_sampling; /* NULL: its file knows */
+    json_t *facts = json_array_get(bundle->facts, (size_t)i);
+    json_array_append_new(unorm8, sampling ? json_boolean(strcmp(sampling, "unorm8") == 0) : json_incref(facts));
+    if (!sampling) json_array_append(edge.inputs, facts);
+  }
   json_object_set_new(recipe, "jitters", json_integer(count_jitters(bundle->packing)));
   const StyStatus status = put_recipe(bundle->plan, recipe_name, recipe, error);
   const StyStatus put = put_edge(bundle->plan, bundle->number, "parameters", &edge, error);
@@ -553,15 +543,6 @@ static StyStatus plan_steps(Bundle *bundle, StyError *error) {
   return status ? status : plan_whole(bundle, error);
 }
 
-static StyStatus make_bundle_folders(const Bundle *bundle, StyError *error) {
-  char name[NAME_SIZE];
-  StyStatus status = make_inner_folder(bundle->plan, bundle->name, error);
-  name_part(bundle, "masks", name);
-  if (!status) status = make_inner_folder(bundle->plan, name, error);
-  name_part(bundle, "luts", name);
-  return status ? status : make_inner_folder(bundle->plan, name, error);
-}
-
 static StyStatus plan_manifest(Bundle *bundle, const char *path, StyError *error) {
   Packing *packing = bundle->packing;
   const StyManifestStyle *fixed_by = NULL;
@@ -575,7 +556,6 @@ static StyStatus plan_manifest(Bundle *bundle, const char *path, StyError *error
   if (!status) status = find_fixed_size(packing, &bundle->fixed_size, &fixed_by, error);
   if (fixed_by) bundle->fixed_by = fixed_by->name;
   if (!status) status = describe_bundle(bundle, error);
-  if (!status) status = make_bundle_folders(bundle, error);
   if (!status) status = plan_steps(bundle, error);
   bundle->plan->bundles[bundle->number].styles = packing->manifest.style_count;
   return status;
@@ -631,31 +611,133 @@ static StyStatus name_bundle(Plan *plan, int number, StyError *error) {
   return STY_OK;
 }
 
-static StyStatus make_plan(Plan *plan, StyError *error) {
-  char version[64];
-  StyStatus status = make_folder(plan->arguments->making.options.output, error);
-  if (!status) status = make_folder(plan->folder, error);
-  if (!status) status = make_inner_folder(plan, "inputs", error);
-  if (!status) status = make_inner_folder(plan, "guides", error);
-  snprintf(version, sizeof version, "stylut %s\n", STY_VERSION);
-  if (!status) status = put_text(plan, "version", version, error);
-  char *inputs = sty_join_path(plan->folder, "inputs");
-  if (!inputs) status = sty_fail_memory(error, plan->folder, 0);
-  if (!status) status = refresh_stamps(&plan->inputs, inputs, error);
-  free(inputs);
-  plan->ninja = open_memstream(&plan->text, &plan->text_size);
-  if (!status && !plan->ninja) status = sty_fail_memory(error, "plan", 0);
-  if (!status) fputs(head, plan->ninja);
-  for (int i = 0; !status && i < plan->bundle_count; i++) status = name_bundle(plan, i, error);
-  for (int i = 0; !status && i < plan->bundle_count; i++) status = plan_bundle(plan, i, error);
+/* The steps of a bundle whose plan fails are forgotten; with --keep-going that is a failed step among others. */
+static StyStatus add_bundle(Plan *plan, int number, FILE *whole, StyError *error) {
+  char *text = NULL;
+  size_t size = 0;
+  const int before = plan->step_count;
+  json_t *guides = json_copy(plan->guides);
+  plan->ninja = open_memstream(&text, &size);
+  StyStatus status = plan->ninja ? plan_bundle(plan, number, error) : sty_fail_memory(error, "plan", 0);
   if (plan->ninja) fclose(plan->ninja);
   plan->ninja = NULL;
-  if (!status) status = put_text(plan, "build.ninja", plan->text, error);
+  if (!status) fputs(text, whole);
+  free(text);
+  if (status) {
+    while (plan->step_count > before) free(plan->steps[--plan->step_count].what);
+    json_object_clear(plan->guides);
+    json_object_update(plan->guides, guides);
+  }
+  json_decref(guides);
+  return status && plan->arguments->keep_going ? add_failure(plan, number, status, error) : status;
+}
+
+/* Of a file that steps found in others; one that is gone has no hash. */
+static StyStatus renew_stamp(Plan *plan, const char *path, StyError *error) {
+  char name[STAMP_SIZE];
+  if (put_stamp(plan, path, name, NULL) == STY_OK) return STY_OK;
+  char *text = format_stamp(path, "missing");
+  const StyStatus status = text ? put_text(plan, name, text, error) : sty_fail_memory(error, path, 0);
+  free(text);
+  return status;
+}
+
+static StyStatus renew_stamps(Plan *plan, StyError *error) {
+  char *folder_name = sty_join_path(plan->folder, STAMPS);
+  DIR *folder = folder_name ? opendir(folder_name) : NULL;
+  StyStatus status = folder_name ? STY_OK : sty_fail_memory(error, plan->folder, 0);
+  for (const struct dirent *entry; !status && folder && (entry = readdir(folder));) {
+    char *stamp = sty_join_path(folder_name, entry->d_name), *path = stamp ? read_stamp(stamp) : NULL;
+    if (path) status = renew_stamp(plan, path, error);
+    free(path);
+    free(stamp);
+  }
+  if (folder) closedir(folder);
+  free(folder_name);
+  return status;
+}
+
+static StyStatus make_plan(Plan *plan, StyError *error) {
+  char *text = NULL;
+  size_t size = 0;
+  FILE *whole = open_memstream(&text, &size);
+  StyStatus status = whole ? renew_stamps(plan, error) : sty_fail_memory(error, "plan", 0);
+  if (!status) status = put_text(plan, "version", "stylut " STY_VERSION "\n", error);
+  if (!status) fputs(head, whole);
+  for (int i = 0; !status && i < plan->bundle_count; i++) status = name_bundle(plan, i, error);
+  for (int i = 0; !status && i < plan->bundle_count; i++) status = add_bundle(plan, i, whole, error);
+  if (whole) fclose(whole);
+  if (!status) status = put_text(plan, "build.ninja", text, error);
+  free(text);
+  return status;
+}
+
+/* ---- on disk ---- */
+
+static StyStatus make_folder(const char *path, StyError *error) {
+  if (mkdir(path, 0777) == 0 || errno == EEXIST) return STY_OK;
+  return sty_fail(error, STY_ERROR_FILE, "%s: cannot make the folder: %s", path, strerror(errno));
+}
+
+static bool holds_text(const char *path, const char *text) {
+  unsigned char *held = NULL;
+  size_t size = 0;
+  const bool holds = sty_read_file(path, 1 << 26, &held, &size, NULL) == STY_OK && size == strlen(text) &&
+                     memcmp(held, text, size) == 0;
+  free(held);
+  return holds;
+}
+
+/* Files that stay as they are keep their time. */
+static StyStatus write_text(const char *path, const char *text, StyError *error) {
+  StyOutput output;
+  if (holds_text(path, text)) return STY_OK;
+  const StyStatus status = sty_open_output(path, &output, error);
+  if (status) return status;
+  fputs(text, output.stream);
+  return sty_commit_output(&output, error);
+}
+
+/* Makes the folders on the way to a file of the work folder. */
+static StyStatus make_way(const Plan *plan, const char *name, StyError *error) {
+  char *path = sty_join_path(plan->folder, name);
+  if (!path) return sty_fail_memory(error, name, 0);
+  StyStatus status = STY_OK;
+  for (char *slash = path + strlen(plan->folder); !status && (slash = strchr(slash + 1, '/'));) {
+    *slash = 0;
+    status = make_folder(path, error);
+    *slash = '/';
+  }
+  free(path);
+  return status;
+}
+
+StyStatus write_plan(Plan *plan, StyError *error) {
+  const char *name;
+  json_t *text;
+  StyStatus status = make_folder(plan->arguments->making.options.output, error);
+  if (!status) status = make_folder(plan->folder, error);
+  if (!status) status = make_way(plan, STAMPS "/", error);
+  json_object_foreach(plan->files, name, text) {
+    char *path = sty_join_path(plan->folder, name);
+    if (!status) status = path ? make_way(plan, name, error) : sty_fail_memory(error, name, 0);
+    if (!status) status = write_text(path, json_string_value(text), error);
+    free(path);
+  }
+  for (int i = 0; i < plan->bundle_count; i++)
+    for (int k = 0; k < 2; k++) {
+      char folder[NAME_SIZE];
+      snprintf(folder, sizeof folder, "%s/%s/", plan->bundles[i].name, k ? "luts" : "masks");
+      if (!status) status = make_way(plan, folder, error);
+    }
   return status ? status : save_inputs(&plan->inputs, error);
 }
 
 StyStatus open_plan(BatchArguments *arguments, Plan *out, StyError *error) {
-  *out = (Plan){.arguments = arguments, .guides = json_object(), .bundle_count = arguments->manifest_count};
+  *out = (Plan){.arguments = arguments,
+                .guides = json_object(),
+                .files = json_object(),
+                .bundle_count = arguments->manifest_count};
   out->folder = sty_join_path(arguments->making.options.output, WORK_FOLDER);
   out->bundles = calloc((size_t)out->bundle_count, sizeof *out->bundles);
   char *known = out->folder ? sty_join_path(out->folder, "inputs.json") : NULL;
@@ -676,9 +758,9 @@ void close_plan(Plan *plan) {
   }
   close_inputs(&plan->inputs);
   json_decref(plan->guides);
+  json_decref(plan->files);
   free(plan->steps);
   free(plan->bundles);
   free(plan->folder);
-  free(plan->text);
   *plan = (Plan){.folder = NULL};
 }

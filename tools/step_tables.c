@@ -134,15 +134,20 @@ StyStatus step_luts(Step *step, StyError *error) {
 
 /* ---- parameters ---- */
 
-/* What the table's step said of it, "lut" of the index. The caller closes the document. */
-static StyStatus read_facts(const Step *step, int style, StyDocument *out, StyError *error) {
-  const char *file = get_step_file(step, "facts", (size_t)style, error);
-  return file ? sty_read_document(file, out, error) : STY_ERROR_INPUT;
-}
-
-static bool is_unorm8(const StyDocument *facts) {
-  const char *sampling = json_string_value(json_object_get(json_object_get(facts->root, "lut"), "sampling"));
-  return sampling && strcmp(sampling, "unorm8") == 0;
+/* Whether a style's table is meant for bytes: the recipe knows, or has the file that says so. */
+static StyStatus find_unorm8(const Step *step, int style, bool *out, StyError *error) {
+  const json_t *known = json_array_get(json_object_get(step->recipe.root, "unorm8"), (size_t)style);
+  *out = json_is_true(known);
+  if (json_is_boolean(known)) return STY_OK;
+  StyDocument facts = {NULL, NULL, NULL};
+  const char *file = get_step_file(step, "unorm8", (size_t)style, error), *sampling = NULL;
+  const StyPath lut = {NULL, "lut", 0};
+  StyStatus status = file ? sty_read_document(file, &facts, error) : STY_ERROR_INPUT;
+  if (!status)
+    status = sty_get_string(&facts, &lut, json_object_get(facts.root, "lut"), "sampling", 1, &sampling, error);
+  *out = sampling && strcmp(sampling, "unorm8") == 0;
+  sty_close_document(&facts);
+  return status;
 }
 
 StyStatus step_params(Step *step, StyError *error) {
@@ -154,18 +159,17 @@ StyStatus step_params(Step *step, StyError *error) {
   StyStatus status = STY_OK;
   int layer = 0;
   for (int i = 0; !status && i < styles; i++) {
-    StyDocument facts = {NULL, NULL, NULL};
     StyStyle placed = manifest->styles[i].parameters;
     float rows[STY_PARAM_ROWS][4];
-    status = read_facts(step, i, &facts, error);
+    bool unorm8;
+    status = find_unorm8(step, i, &unorm8, error);
     if (status) break;
     review_parameters(&step->arguments.options, manifest->styles[i].name, &placed, jitters);
-    if (is_unorm8(&facts)) placed.flags |= STY_FLAG_UNORM8;
+    if (unorm8) placed.flags |= STY_FLAG_UNORM8;
     placed.layer = layer;
     layer += sty_count_layers(&placed);
     sty_encode_style(&placed, rows);
     for (int row = 0; row < STY_PARAM_ROWS; row++) memcpy(texels[row * styles + i], rows[row], sizeof rows[row]);
-    sty_close_document(&facts);
   }
   if (!status)
     status = write_texture(step->output, STY_VK_R32G32B32A32_SFLOAT, styles, STY_PARAM_ROWS, 1, texels, error);
@@ -193,6 +197,19 @@ StyStatus step_jitter(Step *step, StyError *error) {
 
 /* ---- bundles ---- */
 
+/* What the table's step said of it takes the place of what the manifest knew, but for the name of its file. */
+static StyStatus add_facts(const Step *step, size_t i, json_t *style, StyError *error) {
+  StyDocument facts = {NULL, NULL, NULL};
+  const char *path = get_step_file(step, "facts", i, error);
+  const StyStatus status = path ? sty_read_document(path, &facts, error) : STY_ERROR_INPUT;
+  if (status) return status;
+  json_t *lut = json_object_get(facts.root, "lut"), *file = json_object_get(json_object_get(style, "lut"), "file");
+  if (file) json_object_set(lut, "file", file);
+  json_object_set(style, "lut", lut);
+  sty_close_document(&facts);
+  return STY_OK;
+}
+
 /* The recipe has the index as far as it is known before anything is made; tables say the rest. */
 StyStatus step_bundle(Step *step, StyError *error) {
   const char *parts = NULL, *path = NULL;
@@ -200,14 +217,11 @@ StyStatus step_bundle(Step *step, StyError *error) {
   json_t *index = json_object_get(recipe->root, "index"), *style;
   StyStatus status = sty_get_string(recipe, NULL, recipe->root, "parts", 1, &parts, error);
   if (!status) status = sty_get_string(recipe, NULL, recipe->root, "bundle", 1, &path, error);
-  size_t i;
-  json_array_foreach(json_object_get(index, "styles"), i, style) {
-    StyDocument facts = {NULL, NULL, NULL};
-    if (!status) status = read_facts(step, (int)i, &facts, error);
-    if (!status) json_object_set(style, "lut", json_object_get(facts.root, "lut"));
-    sty_close_document(&facts);
-  }
   if (!status && !json_is_object(index))
     status = sty_fail(error, STY_ERROR_INPUT, "%s: found no \"index\", expected an object", recipe->name);
+  size_t i;
+  json_array_foreach(json_object_get(index, "styles"), i, style) {
+    if (!status) status = add_facts(step, i, style, error);
+  }
   return status ? status : sty_assemble_bundle(path, parts, index, error);
 }
