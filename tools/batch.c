@@ -74,8 +74,10 @@ static StyStatus do_plan(Plan *plan, StyError *error) {
       if (plan->steps[i].state == STEP_LEFT) plan->steps[i].state = STEP_DONE;
     return STY_OK;
   }
-  const StyStatus status = write_plan(plan, error);
-  return status ? status : run_plan(plan, dry, error);
+  StyStatus status = write_plan(plan, error);
+  if (!status) status = run_plan(plan, dry, error);
+  if (!status && !dry) prune_tables(plan);
+  return status;
 }
 
 static StyStatus run(BatchArguments *arguments) {

@@ -42,7 +42,9 @@ typedef struct Plan {
 } Plan;
 
 #define WORK_FOLDER ".stylut"
-#define STAMPS "inputs" /* a folder in it */
+/* Folders in it: of stamps, and of tables that styles share, by what they are made of. */
+#define STAMPS "inputs"
+#define SHARED_TABLES "tables"
 
 /* What a step that failed ends with: its exit code follows. */
 #define STEP_EXIT "stylut: exit "
@@ -58,6 +60,9 @@ StyStatus write_plan(Plan *plan, StyError *error);
 /* Has ninja do what is to be done. Steps that fail aren't a failure of this: they are marked so. STY_ERROR_UNAVAILABLE
  * where ninja isn't found. */
 StyStatus run_plan(Plan *plan, bool dry, StyError *error);
+
+/* Removes tables that no style has any more. */
+void prune_tables(const Plan *plan);
 
 /* The results as text or JSON on stdout, and as JUnit XML where that is asked for; failures go to stderr. */
 StyStatus report_plan(const Plan *plan, double milliseconds, StyError *error);

@@ -414,6 +414,7 @@ static StyStatus plan_lut(Bundle *bundle, int number, StyError *error) {
   json_t *recipe = begin_recipe(bundle, "lut", output, number, WITH_PICTURES | WITH_GUIDE | WITH_LUT);
   add_source(bundle, number, recipe, &edge);
   json_object_set_new(recipe, "facts", json_string(facts));
+  json_object_set_new(recipe, "shared", json_string(SHARED_TABLES));
   json_object_set_new(recipe, "lut_size", json_integer(find_least_size(bundle)));
   if (!bundle->fixed_size && json_array_size(bundle->lut_sizes) > 0)
     json_object_set(recipe, "lut_sizes", bundle->lut_sizes);
@@ -600,7 +601,8 @@ static StyStatus name_bundle(Plan *plan, int number, StyError *error) {
   bundle->name = strndup(base, length);
   if (!bundle->manifest || !bundle->name) return sty_fail_memory(error, path, 0);
   if (length == 0 || length > 200 || strchr(bundle->name, '\n') || *bundle->name == '.' ||
-      strcmp(bundle->name, "guides") == 0 || strcmp(bundle->name, "inputs") == 0)
+      strcmp(bundle->name, "guides") == 0 || strcmp(bundle->name, STAMPS) == 0 ||
+      strcmp(bundle->name, SHARED_TABLES) == 0)
     return sty_fail(error, STY_ERROR_USAGE,
                     "%s: found a name that no bundle can have, expected another for the manifest", path);
   for (int i = 0; i < number; i++)
@@ -718,6 +720,7 @@ StyStatus write_plan(Plan *plan, StyError *error) {
   StyStatus status = make_folder(plan->arguments->making.options.output, error);
   if (!status) status = make_folder(plan->folder, error);
   if (!status) status = make_way(plan, STAMPS "/", error);
+  if (!status) status = make_way(plan, SHARED_TABLES "/", error);
   json_object_foreach(plan->files, name, text) {
     char *path = sty_join_path(plan->folder, name);
     if (!status) status = path ? make_way(plan, name, error) : sty_fail_memory(error, name, 0);

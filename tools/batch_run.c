@@ -1,9 +1,12 @@
 /* ninja, and what it says. */
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -120,4 +123,16 @@ StyStatus run_plan(Plan *plan, bool dry, StyError *error) {
   return sty_fail(error, STY_ERROR_LIBRARY, "ninja: found %s %d%s%s, expected it to do what %s/build.ninja says",
                   WIFEXITED(state) ? "exit status" : "signal", WIFEXITED(state) ? WEXITSTATUS(state) : WTERMSIG(state),
                   *ear.trouble ? ": " : "", ear.trouble, plan->folder);
+}
+
+void prune_tables(const Plan *plan) {
+  char *name = sty_join_path(plan->folder, SHARED_TABLES);
+  DIR *folder = name ? opendir(name) : NULL;
+  struct stat info;
+  for (const struct dirent *entry; folder && (entry = readdir(folder));)
+    if (fstatat(dirfd(folder), entry->d_name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
+        info.st_nlink == 1)
+      unlinkat(dirfd(folder), entry->d_name, 0);
+  if (folder) closedir(folder);
+  free(name);
 }

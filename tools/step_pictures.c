@@ -225,19 +225,50 @@ StyStatus step_exemplars(Step *step, StyError *error) {
 
 /* ---- source guides ---- */
 
+/* A style's layer; the next often has the same guide, and the same outline. */
+typedef struct Encoded {
+  const char *guide; /* file; NULL: none yet */
+  uint8_t *painted, *texels;
+  Overlap overlap;
+} Encoded;
+
+static void free_encoded(Encoded *encoded) {
+  free(encoded->painted);
+  free(encoded->texels);
+  *encoded = (Encoded){.guide = NULL};
+}
+
+/* Replaces the style before, where this one's is another. */
+static StyStatus encode_style(const Step *step, int style, Encoded *encoded, StyError *error) {
+  const Size size = step->packing.size;
+  Encoded next = {.guide = get_step_file(step, "guides", (size_t)style, error)};
+  const char *mask = next.guide ? get_step_file(step, "masks", (size_t)style, error) : NULL;
+  if (!mask) return STY_ERROR_INPUT;
+  StyStatus status = read_mask(mask, size, &next.painted, error);
+  if (!status && encoded->guide && strcmp(encoded->guide, next.guide) == 0 &&
+      memcmp(encoded->painted, next.painted, (size_t)size.width * (size_t)size.height) == 0) {
+    free_encoded(&next);
+    return STY_OK;
+  }
+  StyImage *guide = NULL;
+  if (!status) status = read_guide_texture(next.guide, &guide, error);
+  if (!status) next.overlap = uncover_unpainted(guide, next.painted);
+  if (!status) status = encode_guide(guide, &next.texels, error);
+  sty_destroy_image(&guide);
+  free_encoded(encoded);
+  *encoded = next;
+  return status;
+}
+
 static StyStatus write_guides(const Step *step, StyKtx2 *texture, StyError *error) {
   StyStatus status = STY_OK;
+  Encoded encoded = {.guide = NULL};
   for (int i = 0; !status && i < step->packing.manifest.style_count; i++) {
-    StyImage *guide = NULL;
-    uint8_t *texels = NULL;
-    Overlap overlap;
-    status = open_masked_guide(step, i, &guide, &overlap, error);
-    if (!status) status = encode_guide(guide, &texels, error);
-    if (!status) status = sty_write_ktx2_layer(texture, texels, error);
-    if (!status) review_overlap(&step->arguments.options, &step->packing.manifest.styles[i], &overlap);
-    free(texels);
-    sty_destroy_image(&guide);
+    status = encode_style(step, i, &encoded, error);
+    if (!status) status = sty_write_ktx2_layer(texture, encoded.texels, error);
+    if (!status) review_overlap(&step->arguments.options, &step->packing.manifest.styles[i], &encoded.overlap);
   }
+  free_encoded(&encoded);
   return status;
 }
 

@@ -1,10 +1,15 @@
 /* Steps that make a batch's tables and parameters, and its bundles of all parts. */
+#include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "parameters.h"
 #include "step.h"
 #include "stylut/ktx2.h"
+
+enum { NAME_SIZE = 512 };
 
 /* ---- one layer, or as many as there are ---- */
 
@@ -72,15 +77,66 @@ static StyStatus find_lut_size(const Step *step, int *out, StyError *error) {
 
 /* ---- tables ---- */
 
-StyStatus step_lut(Step *step, StyError *error) {
+/* Styles that are painted on one guide, with one outline, have one table: the first that makes it leaves a link to it
+ * under a name that says what it was made of, and the others take that. */
+typedef struct Shared {
+  char table[NAME_SIZE], facts[NAME_SIZE]; /* empty: not shared */
+} Shared;
+
+static StyStatus append_hash(const char *path, char **text, StyError *error) {
+  char hash[STY_HASH_SIZE], *longer = NULL;
+  const StyStatus status = sty_hash_file(path, hash, error);
+  if (status) return status;
+  if (asprintf(&longer, "%s%s\n", *text, hash) < 0) return sty_fail_memory(error, path, 0);
+  free(*text);
+  *text = longer;
+  return STY_OK;
+}
+
+/* What a table is made of: guide, mask, and what is asked for. */
+static StyStatus name_shared(const Step *step, Shared *out, StyError *error) {
+  const json_t *root = step->recipe.root;
+  const StyManifestStyle *style = step->packing.manifest.styles;
+  const char *folder = NULL, *guide = get_step_file(step, "guides", 0, error);
+  const char *mask = guide ? get_step_file(step, "masks", 0, error) : NULL;
+  StyStatus status = sty_get_string(&step->recipe, NULL, root, "shared", 0, &folder, error);
+  out->table[0] = out->facts[0] = 0;
+  if (!mask) return STY_ERROR_INPUT;
+  if (status || !folder || style->lut_file || style->lut_frames) return status;
+  json_t *asked = json_pack("{s:i, s:O*}", "size", step->packing.lut_size, "lut", style->lut);
+  char *text = asked ? json_dumps(asked, JSON_COMPACT | JSON_SORT_KEYS) : NULL, key[STY_HASH_SIZE];
+  json_decref(asked);
+  if (!text) return sty_fail_memory(error, step->recipe.name, 0);
+  status = append_hash(guide, &text, error);
+  if (!status) status = append_hash(mask, &text, error);
+  sty_hash_bytes(text, strlen(text), key);
+  free(text);
+  if (status) return status;
+  snprintf(out->table, sizeof out->table, "%s/%.32s.ktx2", folder, key);
+  snprintf(out->facts, sizeof out->facts, "%s/%.32s.facts", folder, key);
+  return STY_OK;
+}
+
+/* Gives `from` the further name of what is made for `output`. */
+static bool take_link(const char *from, const char *output, StyError *error) {
+  char *made = name_made(output, error);
+  const bool is_linked = made && (unlink(made) == 0 || errno == ENOENT) && link(from, made) == 0;
+  free(made);
+  return is_linked && put_made(output, error) == STY_OK;
+}
+
+/* Where links can't be made every style makes its own. The facts come last, and count. */
+static void share(const Step *step, const char *facts, const Shared *shared) {
+  if (*shared->table && link(step->output, shared->table) == 0 && link(facts, shared->facts) != 0)
+    unlink(shared->table);
+}
+
+static StyStatus make_lut(Step *step, const char *facts, StyError *error) {
   Packing *packing = &step->packing;
-  const char *facts = NULL;
   StyImage *guide = NULL;
   Overlap overlap;
   Table table = {0};
-  StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "facts", 1, &facts, error);
-  if (!status) status = find_lut_size(step, &packing->lut_size, error);
-  if (!status) status = open_masked_guide(step, 0, &guide, &overlap, error);
+  StyStatus status = open_masked_guide(step, 0, &guide, &overlap, error);
   if (!status) status = make_table(packing, 0, guide, &table, error);
   if (!status) review_holes(&step->arguments.options, packing->manifest.styles, table.holes);
   if (!status)
@@ -89,6 +145,21 @@ StyStatus step_lut(Step *step, StyError *error) {
   if (!status) status = write_value(facts, json_pack("{s:o}", "lut", describe_lut(packing, 0, &table)), error);
   free(table.texels);
   sty_destroy_image(&guide);
+  return status;
+}
+
+StyStatus step_lut(Step *step, StyError *error) {
+  const char *facts = NULL;
+  Shared shared;
+  StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "facts", 1, &facts, error);
+  if (!status) status = find_lut_size(step, &step->packing.lut_size, error);
+  if (!status) status = name_shared(step, &shared, error);
+  if (status) return status;
+  if (*shared.table && access(shared.facts, F_OK) == 0 && take_link(shared.table, step->output, NULL) &&
+      take_link(shared.facts, facts, NULL))
+    return STY_OK;
+  status = make_lut(step, facts, error);
+  if (!status) share(step, facts, &shared);
   return status;
 }
 
