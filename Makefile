@@ -26,7 +26,7 @@ AR ?= ar
 # What must be there before anything compiles, as Debian 12 packages.
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
-DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core
+DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core ninja-build
 TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils \
   libepoxy-dev libegl-dev libegl1 libgles2 libgl1 libgl1-mesa-dri
 BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels time

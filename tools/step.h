@@ -23,6 +23,9 @@ const char *get_step_file(const Step *step, const char *list, size_t i, StyError
 char *name_made(const char *output, StyError *error);
 StyStatus put_made(const char *output, StyError *error);
 
+/* A file as it is; whatever takes its place has another. The caller owns it. */
+json_t *identify_file(const char *path);
+
 /* The guides of a batch are float textures. */
 StyStatus write_guide_texture(const char *path, const StyImage *guide, StyError *error);
 StyStatus read_guide_texture(const char *path, StyImage **out, StyError *error);

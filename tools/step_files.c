@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "step.h"
@@ -42,6 +43,13 @@ StyStatus put_made(const char *output, StyError *error) {
     status = sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected room for it", output, strerror(errno));
   free(made);
   return status;
+}
+
+json_t *identify_file(const char *path) {
+  struct stat info;
+  if (stat(path, &info) != 0) return json_null();
+  return json_pack("[I,I,I,I]", (json_int_t)info.st_ino, (json_int_t)info.st_size, (json_int_t)info.st_mtim.tv_sec,
+                   (json_int_t)info.st_mtim.tv_nsec);
 }
 
 /* ---- guides ---- */

@@ -1,7 +1,6 @@
 /* Steps that make a batch's exemplars and guides. */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "batch_inputs.h"
 #include "step.h"
@@ -53,14 +52,6 @@ typedef struct Earlier {
   StyTexture texture;
   StyDocument keys; /* "styles": what each style's layers were made of */
 } Earlier;
-
-/* A file as it is; another one has another, whatever it holds. */
-static json_t *identify_file(const char *path) {
-  struct stat info;
-  if (stat(path, &info) != 0) return json_null();
-  return json_pack("[I,I,I,I]", (json_int_t)info.st_ino, (json_int_t)info.st_size, (json_int_t)info.st_mtim.tv_sec,
-                   (json_int_t)info.st_mtim.tv_nsec);
-}
 
 static void close_earlier(Earlier *earlier) {
   sty_unmap_file(&earlier->mapping);

@@ -83,35 +83,25 @@ typedef struct Shared {
   char table[NAME_SIZE], facts[NAME_SIZE]; /* empty: not shared */
 } Shared;
 
-static StyStatus append_hash(const char *path, char **text, StyError *error) {
-  char hash[STY_HASH_SIZE], *longer = NULL;
-  const StyStatus status = sty_hash_file(path, hash, error);
-  if (status) return status;
-  if (asprintf(&longer, "%s%s\n", *text, hash) < 0) return sty_fail_memory(error, path, 0);
-  free(*text);
-  *text = longer;
-  return STY_OK;
-}
-
-/* What a table is made of: guide, mask, and what is asked for. */
+/* What a table is made of: guide, mask, and what is asked for. Guides are large, and stay the files they are as long as
+ * they hold the same. */
 static StyStatus name_shared(const Step *step, Shared *out, StyError *error) {
   const json_t *root = step->recipe.root;
   const StyManifestStyle *style = step->packing.manifest.styles;
   const char *folder = NULL, *guide = get_step_file(step, "guides", 0, error);
   const char *mask = guide ? get_step_file(step, "masks", 0, error) : NULL;
-  StyStatus status = sty_get_string(&step->recipe, NULL, root, "shared", 0, &folder, error);
+  char mask_hash[STY_HASH_SIZE], key[STY_HASH_SIZE];
+  StyStatus status = mask ? sty_hash_file(mask, mask_hash, error) : STY_ERROR_INPUT;
+  if (!status) status = sty_get_string(&step->recipe, NULL, root, "shared", 0, &folder, error);
   out->table[0] = out->facts[0] = 0;
-  if (!mask) return STY_ERROR_INPUT;
   if (status || !folder || style->lut_file || style->lut_frames) return status;
-  json_t *asked = json_pack("{s:i, s:O*}", "size", step->packing.lut_size, "lut", style->lut);
-  char *text = asked ? json_dumps(asked, JSON_COMPACT | JSON_SORT_KEYS) : NULL, key[STY_HASH_SIZE];
+  json_t *asked = json_pack("{s:i, s:O*, s:s, s:o, s:s}", "size", step->packing.lut_size, "lut", style->lut, "guide",
+                            guide, "file", identify_file(guide), "mask", mask_hash);
+  char *text = asked ? json_dumps(asked, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
   json_decref(asked);
   if (!text) return sty_fail_memory(error, step->recipe.name, 0);
-  status = append_hash(guide, &text, error);
-  if (!status) status = append_hash(mask, &text, error);
   sty_hash_bytes(text, strlen(text), key);
   free(text);
-  if (status) return status;
   snprintf(out->table, sizeof out->table, "%s/%.32s.ktx2", folder, key);
   snprintf(out->facts, sizeof out->facts, "%s/%.32s.facts", folder, key);
   return STY_OK;

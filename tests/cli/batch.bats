@@ -170,6 +170,26 @@ styles 0 True []"
   expect 'steps left' "$(steps)" 0
 }
 
+@test "tables are shared by guide, outline and what is asked for, and go with the last that has them" {
+  bring painted dark.png
+  cp painted/oil.png same.png
+  printf '%s\n' '{"schema": "stylut-bundle/1", "styles": [
+    {"name": "one", "exemplar": "painted/oil.png"}, {"name": "dark", "exemplar": "dark.png"}, {"name": "same", "exemplar": "same.png"},
+    {"name": "centred", "exemplar": "same.png", "lut": {"sampling": "centre"}},
+    {"name": "engine", "exemplar": "same.png", "lut": {"engine": "brute"}}]}' >styles.json
+  accept batch styles.json -o out
+  expect tables "$(find out/.stylut/tables -name '*.ktx2' | wc -l)" 3
+  expect_packed out/styles styles.json
+  oiiotool --no-autopremult painted/oil.png --fill:color=0,0,0,0 20x20+20+20 -d uint8 -o same.png
+  accept batch styles.json -o out
+  expect 'tables, one of them with a hole' "$(find out/.stylut/tables -name '*.ktx2' | wc -l)" 4
+  expect_packed out/styles styles.json
+  cp painted/oil.png same.png
+  accept batch styles.json -o out
+  expect 'tables as before' "$(find out/.stylut/tables -name '*.ktx2' | wc -l)" 3
+  expect_packed out/styles styles.json
+}
+
 @test "a dry run says what would be done" {
   bring painted styles.json dark.png
   local before after
