@@ -7,9 +7,12 @@
 
 #include "commands.h"
 
-enum { KEY_JUNIT = 0x400 };
+enum { KEY_JUNIT = 0x400, KEY_CHECK };
 static const struct argp_option options_table[] = {
-    {"keep-going", 'k', NULL, 0, "go on with what doesn't need a step that failed, and say all failures at the end", 0},
+    {"keep-going", 'k', NULL, 0, "go on with what doesn't need a step that failed, and say all failures at the end",
+     UNRECORDED},
+    {"check", KEY_CHECK, NULL, 0,
+     "audit every table, hold it to its style's \"check\", and pack no bundle of which one fails", UNRECORDED},
     {"junit", KEY_JUNIT, "FILE.xml", 0, "write what came of each step as JUnit XML, for CI", UNRECORDED},
     {0}};
 
@@ -36,6 +39,7 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
       if (!status && arguments->junit) status = require_folder(options, arguments->junit);
       break;
     case 'k': arguments->keep_going = true; break;
+    case KEY_CHECK: arguments->check = true; break;
     case KEY_JUNIT: arguments->junit = text; break;
     default: return ARGP_ERR_UNKNOWN;
   }

@@ -9,7 +9,7 @@ typedef struct BatchArguments {
   PackArguments making;
   const char **manifests;
   int manifest_count;
-  bool keep_going;
+  bool keep_going, check;
   const char *junit; /* or NULL */
 } BatchArguments;
 

@@ -52,6 +52,7 @@ static void put_names(Plan *plan, const json_t *names) {
 typedef struct Edge {
   const char *recipe;
   json_t *outputs, *inputs; /* names; inputs besides the recipe */
+  const json_t *awaited;    /* what must have passed, or NULL */
   const char *depfile;      /* or NULL */
   bool is_wide;             /* uses all threads, or much memory: one such step at a time */
 } Edge;
@@ -97,6 +98,8 @@ static StyStatus put_edge(Plan *plan, int bundle, const char *what, Edge *edge, 
   put_name(plan, edge->recipe);
   fprintf(plan->ninja, " | version");
   put_names(plan, edge->inputs);
+  if (json_array_size(edge->awaited) > 0) fprintf(plan->ninja, " ||");
+  put_names(plan, edge->awaited);
   fprintf(plan->ninja, "\n  what = %d\n", plan->step_count);
   if (edge->depfile) fprintf(plan->ninja, "  made_of = %s\n", edge->depfile);
   if (edge->is_wide) fprintf(plan->ninja, "  pool = wide\n  threads = $$STYLUT_THREADS\n");
@@ -132,7 +135,7 @@ typedef struct Bundle {
   int fixed_size; /* of tables, 0: none */
   const char *fixed_by;
   json_t *index;
-  json_t *guides, *masks, *luts, *facts, *lut_sizes; /* files of the styles */
+  json_t *guides, *guide_facts, *masks, *luts, *facts, *lut_sizes, *audits; /* files of the styles */
 } Bundle;
 
 static void name_part(const Bundle *bundle, const char *name, char out[NAME_SIZE]) {
@@ -168,7 +171,7 @@ static StyStatus add_input(const Bundle *bundle, const char *name, Edge *edge, S
 
 /* ---- manifests of what a step needs, no more ---- */
 
-enum { WITH_PICTURES = 1, WITH_GUIDE = 2, WITH_BASE = 4, WITH_LUT = 8, WITH_PARAMS = 16 };
+enum { WITH_PICTURES = 1, WITH_GUIDE = 2, WITH_BASE = 4, WITH_LUT = 8, WITH_PARAMS = 16, WITH_CHECK = 32 };
 
 static json_t *make_names(const Bundle *bundle, const json_t *names) {
   json_t *out = json_array();
@@ -200,6 +203,7 @@ static json_t *make_style(const Bundle *bundle, int number, unsigned parts) {
   if (parts & WITH_BASE && style->base > 0) json_object_set_new(out, "base", json_real(style->base));
   if (parts & WITH_LUT) json_object_set_new(out, "lut", make_lut(bundle, style, keeper));
   if (parts & WITH_PARAMS) json_object_set_new(out, "params", sty_describe_parameters(&style->parameters));
+  if (parts & WITH_CHECK && style->check) json_object_set(out, "check", (json_t *)(uintptr_t)style->check);
   json_decref(keeper);
   return out;
 }
@@ -252,7 +256,8 @@ static StyStatus plan_guide(Bundle *bundle, int number, StyError *error) {
   const StyManifestStyle *style = &bundle->packing->manifest.styles[number];
   const bool is_scene = !is_sphere(style) && sty_is_scene_file(style->guide);
   json_t *keeper = json_array();
-  char id[STY_HASH_SIZE], output[NAME_SIZE], recipe_name[NAME_SIZE], depfile[NAME_SIZE], what[NAME_SIZE];
+  char id[STY_HASH_SIZE], output[NAME_SIZE], recipe_name[NAME_SIZE], depfile[NAME_SIZE], facts[NAME_SIZE],
+      what[NAME_SIZE];
   const char *guide = is_sphere(style) ? "sphere" : find_absolute(bundle, style->guide, keeper);
   json_t *manifest = json_pack("{s:s, s:[{s:s, s:s, s:s}]}", "schema", "stylut-bundle/1", "styles", "name", "guide",
                                "exemplar", "-", "guide", guide);
@@ -271,15 +276,19 @@ static StyStatus plan_guide(Bundle *bundle, int number, StyError *error) {
   snprintf(output, sizeof output, "guides/%.16s.ktx2", id);
   snprintf(recipe_name, sizeof recipe_name, "guides/%.16s.json", id);
   snprintf(depfile, sizeof depfile, "guides/%.16s.d", id);
+  snprintf(facts, sizeof facts, "guides/%.16s.facts", id);
   add_name(bundle->guides, output);
+  add_name(bundle->guide_facts, facts);
   if (json_object_get(plan->guides, output)) {
     json_decref(recipe);
     return STY_OK;
   }
   json_object_set_new(plan->guides, output, json_true());
   json_object_set_new(recipe, "output", json_string(output));
+  json_object_set_new(recipe, "facts", json_string(facts));
   Edge edge = begin_edge(recipe_name);
   add_name(edge.outputs, output);
+  add_name(edge.outputs, facts);
   if (is_scene) {
     json_object_set_new(recipe, "depfile", json_string(depfile));
     json_object_set_new(recipe, "inputs", json_string(STAMPS));
@@ -429,6 +438,32 @@ static StyStatus plan_lut(Bundle *bundle, int number, StyError *error) {
   return status ? status : put;
 }
 
+/* Audits are for --check; the bundle then waits for them. */
+static StyStatus plan_audit(Bundle *bundle, int number, StyError *error) {
+  char output[NAME_SIZE], recipe_name[NAME_SIZE], what[NAME_SIZE], part[64];
+  const StyManifestStyle *style = &bundle->packing->manifest.styles[number];
+  if (!bundle->plan->arguments->check) return STY_OK;
+  snprintf(part, sizeof part, "luts/%03d.audit", number + 1);
+  name_part(bundle, part, output);
+  snprintf(part, sizeof part, "luts/%03d.audit.json", number + 1);
+  name_part(bundle, part, recipe_name);
+  add_name(bundle->audits, output);
+  Edge edge = begin_edge(recipe_name);
+  add_name(edge.outputs, output);
+  json_t *recipe = begin_recipe(bundle, "audit", output, number, WITH_PICTURES | WITH_CHECK), *facts = json_array();
+  add_source(bundle, number, recipe, &edge);
+  json_array_append(facts, json_array_get(bundle->facts, (size_t)number));
+  json_array_append(facts, json_array_get(bundle->guide_facts, (size_t)number));
+  json_object_set_new(recipe, "facts", facts);
+  json_object_set_new(recipe, "luts", take_one(bundle->luts, number));
+  json_array_extend(edge.inputs, facts);
+  json_array_append(edge.inputs, json_array_get(bundle->luts, (size_t)number));
+  const StyStatus status = put_recipe(bundle->plan, recipe_name, recipe, error);
+  snprintf(what, sizeof what, "audit of '%.400s'", style->name);
+  const StyStatus put = put_edge(bundle->plan, bundle->number, what, &edge, error);
+  return status ? status : put;
+}
+
 static StyStatus plan_luts(Bundle *bundle, StyError *error) {
   char output[NAME_SIZE], recipe_name[NAME_SIZE];
   name_part(bundle, "luts.ktx2", output);
@@ -497,9 +532,11 @@ static StyStatus plan_whole(Bundle *bundle, StyError *error) {
     add_name(edge.inputs, part);
   }
   json_array_extend(edge.inputs, bundle->facts);
-  json_t *recipe =
-      json_pack("{s:s, s:s, s:s, s:s, s:s, s:O, s:O}", "schema", STEP_SCHEMA, "step", "bundle", "output", output,
-                "parts", bundle->name, "bundle", folder, "facts", bundle->facts, "index", bundle->index);
+  json_array_extend(edge.inputs, bundle->guide_facts);
+  edge.awaited = bundle->audits;
+  json_t *recipe = json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:O, s:O, s:O}", "schema", STEP_SCHEMA, "step", "bundle",
+                             "output", output, "parts", bundle->name, "bundle", folder, "root", bundle->root, "facts",
+                             bundle->facts, "guide_facts", bundle->guide_facts, "index", bundle->index);
   const StyStatus status = put_recipe(bundle->plan, recipe_name, recipe, error);
   const StyStatus put = put_edge(bundle->plan, bundle->number, "bundle", &edge, error);
   return status ? status : put;
@@ -538,6 +575,7 @@ static StyStatus plan_steps(Bundle *bundle, StyError *error) {
   if (!status) status = plan_guides(bundle, error);
   for (int i = 0; !status && i < styles; i++) status = plan_lut_size(bundle, i, error);
   for (int i = 0; !status && i < styles; i++) status = plan_lut(bundle, i, error);
+  for (int i = 0; !status && i < styles; i++) status = plan_audit(bundle, i, error);
   if (!status) status = plan_luts(bundle, error);
   if (!status) status = plan_params(bundle, error);
   if (!status) status = plan_jitter(bundle, error);
@@ -548,8 +586,7 @@ static StyStatus plan_manifest(Bundle *bundle, const char *path, StyError *error
   Packing *packing = bundle->packing;
   const StyManifestStyle *fixed_by = NULL;
   StyStatus status = sty_read_manifest(path, &packing->manifest, error);
-  if (!status) status = check_engines(&packing->manifest, error);
-  if (!status) status = check_jitter(packing);
+  if (!status) status = check_manifest(packing, error);
   if (!status && !(bundle->root = realpath(packing->manifest.folder, NULL)))
     status = sty_fail(error, STY_ERROR_FILE, "%s: cannot find its folder: %s", path, strerror(errno));
   if (!status) status = measure_exemplars(packing, error);
@@ -576,13 +613,15 @@ static StyStatus plan_bundle(Plan *plan, int number, StyError *error) {
                    .packing = packing,
                    .index = json_object(),
                    .guides = json_array(),
+                   .guide_facts = json_array(),
+                   .audits = json_array(),
                    .masks = json_array(),
                    .luts = json_array(),
                    .facts = json_array(),
                    .lut_sizes = json_array()};
   const StyStatus status = plan_manifest(&bundle, path, error);
-  json_t *const lists[] = {bundle.index, bundle.guides,    bundle.masks,    bundle.luts,
-                           bundle.facts, bundle.lut_sizes, packing->guides, packing->inputs};
+  json_t *const lists[] = {bundle.guide_facts, bundle.audits, bundle.index,     bundle.guides,   bundle.masks,
+                           bundle.luts,        bundle.facts,  bundle.lut_sizes, packing->guides, packing->inputs};
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) json_decref(lists[i]);
   sty_close_manifest(&packing->manifest);
   free(bundle.root);

@@ -7,59 +7,40 @@
 #include "options.h"
 #include "stylut/parse.h"
 
-/* What can be budgeted. */
-enum {
-  BUDGET_MEAN,
-  BUDGET_P99,
-  BUDGET_ERROR,
-  BUDGET_EXCESS,
-  BUDGET_AMBIGUOUS,
-  BUDGET_JUMPS,
-  BUDGET_UNSTABLE,
-  BUDGET_UNUSED,
-  BUDGET_COVERAGE,
-  BUDGETS
-};
-
 typedef struct Arguments {
   AuditCommand base;
-  double budgets[BUDGETS]; /* negative: none */
+  double budgets[STY_LIMITS]; /* negative: none */
 } Arguments;
 
-enum { KEY_BUDGET = 0x200 }; /* and the next BUDGETS - 1 */
+enum { KEY_BUDGET = 0x200 }; /* and the next STY_LIMITS - 1, in the order of sty_limits */
 
 static const struct argp_option options_table[] = {
     {NULL, 0, NULL, 0, "Budgets, on the lookup error in degrees:", 20},
-    {"max-mean", KEY_BUDGET + BUDGET_MEAN, "DEG", 0, "mean", 0},
-    {"max-p99", KEY_BUDGET + BUDGET_P99, "DEG", 0, "99th percentile", 0},
-    {"max-error", KEY_BUDGET + BUDGET_ERROR, "DEG", 0, "maximum", 0},
+    {"max-mean", KEY_BUDGET, "DEG", 0, "mean", 0},
+    {"max-p99", KEY_BUDGET + 1, "DEG", 0, "99th percentile", 0},
+    {"max-error", KEY_BUDGET + 2, "DEG", 0, "maximum", 0},
     {NULL, 0, NULL, 0, "Budgets on what else was found:", 21},
-    {"max-excess", KEY_BUDGET + BUDGET_EXCESS, "DEG", 0, "mean error above that of the exact table", 0},
-    {"max-ambiguous", KEY_BUDGET + BUDGET_AMBIGUOUS, "SHARE", 0, "texels whose pixel is one of several far apart", 0},
-    {"max-jumps", KEY_BUDGET + BUDGET_JUMPS, "SHARE", 0, "neighbouring texels on pixels far apart", 0},
-    {"max-unstable", KEY_BUDGET + BUDGET_UNSTABLE, "SHARE", 0, "texels that a disturbed guide sends elsewhere", 0},
-    {"max-unused", KEY_BUDGET + BUDGET_UNUSED, "SHARE", 0, "covered source pixels that no texel uses", 0},
-    {"min-coverage", KEY_BUDGET + BUDGET_COVERAGE, "SHARE", 0, "covered share of the domain, 0 to 1", 0},
+    {"max-excess", KEY_BUDGET + 3, "DEG", 0, "mean error above that of the exact table", 0},
+    {"max-ambiguous", KEY_BUDGET + 4, "SHARE", 0, "texels whose pixel is one of several far apart", 0},
+    {"max-jumps", KEY_BUDGET + 5, "SHARE", 0, "neighbouring texels on pixels far apart", 0},
+    {"max-unstable", KEY_BUDGET + 6, "SHARE", 0, "texels that a disturbed guide sends elsewhere", 0},
+    {"max-unused", KEY_BUDGET + 7, "SHARE", 0, "covered source pixels that no texel uses", 0},
+    {"min-coverage", KEY_BUDGET + 8, "SHARE", 0, "covered share of the domain, 0 to 1", 0},
     {0},
 };
 
-static const char *get_budget_name(int budget) {
-  for (const struct argp_option *o = options_table; o->name || o->doc; o++)
-    if (o->name && o->key == KEY_BUDGET + budget) return o->name;
-  return "";
-}
-
 static StyStatus set_budget(Arguments *arguments, int budget, const char *text) {
   char what[32];
-  snprintf(what, sizeof what, "--%s", get_budget_name(budget));
-  const double largest = budget <= BUDGET_EXCESS ? 180 : 1;
-  return sty_parse_number(what, text, 0, largest, &arguments->budgets[budget], &arguments->base.options.error);
+  snprintf(what, sizeof what, "--%s", sty_limits[budget].name);
+  return sty_parse_number(what, text, 0, sty_limits[budget].largest, &arguments->budgets[budget],
+                          &arguments->base.options.error);
 }
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
   begin_option(key, text, state);
-  if (key >= KEY_BUDGET && key < KEY_BUDGET + BUDGETS) return end_option(set_budget(arguments, key - KEY_BUDGET, text));
+  if (key >= KEY_BUDGET && key < KEY_BUDGET + STY_LIMITS)
+    return end_option(set_budget(arguments, key - KEY_BUDGET, text));
   switch (key) {
     case ARGP_KEY_INIT: return 0;
     case ARGP_KEY_ARG: return end_option(take_audit_argument(&arguments->base, text));
@@ -120,18 +101,12 @@ static StyStatus print_audit(const Arguments *arguments, const StyAudit *audit, 
 
 /* Each exceeded budget gets its line, so that CI says all at once. */
 static StyStatus compare_with_budgets(const Arguments *arguments, const StyAudit *audit) {
-  const double found[BUDGETS] = {
-      [BUDGET_MEAN] = audit->lookup.mean,   [BUDGET_P99] = audit->lookup.p99,      [BUDGET_ERROR] = audit->lookup.max,
-      [BUDGET_EXCESS] = audit->excess.mean, [BUDGET_AMBIGUOUS] = audit->ambiguous, [BUDGET_JUMPS] = audit->jumps,
-      [BUDGET_UNSTABLE] = audit->unstable,  [BUDGET_UNUSED] = audit->unused,       [BUDGET_COVERAGE] = audit->coverage,
-  };
   StyStatus status = STY_OK;
-  for (int b = 0; b < BUDGETS; b++) {
-    const bool at_least = b == BUDGET_COVERAGE;
+  for (int b = 0; b < STY_LIMITS; b++) {
     const double budget = arguments->budgets[b];
-    if (budget < 0 || (at_least ? found[b] >= budget : found[b] <= budget)) continue;
+    if (budget < 0 || sty_is_within(audit, b, budget)) continue;
     fprintf(stderr, "stylut: error: %s: --%s: found %.4g, expected %s %.4g\n", clean_text(arguments->base.audit.lut),
-            get_budget_name(b), found[b], at_least ? "at least" : "at most", budget);
+            sty_limits[b].name, sty_get_limited(audit, b), sty_limits[b].at_least ? "at least" : "at most", budget);
     status = STY_CHECK_FAILED;
   }
   return status;
@@ -140,7 +115,7 @@ static StyStatus compare_with_budgets(const Arguments *arguments, const StyAudit
 StyStatus run_check(int argc, char **argv) {
   Arguments arguments = {.base.audit = default_audit_arguments};
   Options *options = &arguments.base.options;
-  for (int b = 0; b < BUDGETS; b++) arguments.budgets[b] = -1;
+  for (int b = 0; b < STY_LIMITS; b++) arguments.budgets[b] = -1;
   AuditCase subject = {0};
   StyAudit audit;
   StyStatus status = parse_arguments(&parser, argc, argv, &arguments);

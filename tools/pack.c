@@ -93,7 +93,8 @@ static const struct argp parser = {
         "\"guide\" may name a guide file or a scene, \"lut\" a table (or { \"file\": ..., \"sampling\": ... }); "
         "{ \"budget\": { \"p99\": 1 } } (mean, p99, max; degrees) asks for the smallest table that meets it, "
         "\"resolve\" (coherent; frames or both with \"frames\": [ ... ]) chooses among pixels within \"slack\". "
-        "What many styles share stands once, in \"defaults\": { \"guide\", \"base\", \"lut\", \"params\" }; { "
+        "What many styles share stands once, in \"defaults\": { \"guide\", \"base\", \"lut\", \"params\", \"check\" }; "
+        "{ "
         "\"glob\": "
         "\"painted/*.png\" } is a style for each file, named as it is without the extension, which {name} in "
         "\"guide\" and \"lut\" stands for. "
@@ -211,7 +212,7 @@ StyStatus get_jitters(const Packing *packing, uint8_t **out, StyError *error) {
 }
 
 /* Tables are drawn where none are brought. */
-StyStatus check_jitter(Packing *packing) {
+static StyStatus check_jitter(const Packing *packing) {
   static const char *const expected = "a manifest without the key \"jitter\", which brings tables of its own";
   const bool draws = !packing->manifest.jitter;
   const OptionNeed needs[] = {{"jitter-frames", draws, expected}, {"jitter-noise", draws, expected}};
@@ -338,7 +339,7 @@ static bool takes_exact(const StyManifestStyle *style) {
 }
 
 /* The manifest's reader knows no engines; their names are checked here. */
-StyStatus check_engines(const StyManifest *manifest, StyError *error) {
+static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
   for (int i = 0; i < manifest->style_count; i++) {
     const StyManifestStyle *style = &manifest->styles[i];
     const StyEngine *engine;
@@ -349,11 +350,39 @@ StyStatus check_engines(const StyManifest *manifest, StyError *error) {
     }
     json_t *name = json_string(style->lut_engine);
     const char *expected = strstr(cause.text, "one of ");
-    sty_fail_manifest_lut(manifest, style, "engine", name, expected ? expected : "an engine", error);
+    sty_fail_manifest_value(manifest, style, "lut", "engine", name, expected ? expected : "an engine", error);
     json_decref(name);
     return STY_ERROR_INPUT;
   }
   return STY_OK;
+}
+
+/* Nor does it know what audits can be held to. */
+static StyStatus check_limits(const StyManifest *manifest, StyError *error) {
+  for (int i = 0; i < manifest->style_count; i++) {
+    const StyManifestStyle *style = &manifest->styles[i];
+    const char *key;
+    json_t *budget;
+    json_object_foreach((json_t *)(uintptr_t)style->check, key, budget) {
+      const StyLimit *limit = sty_limits;
+      char expected[512] = "one of";
+      while (limit->name && strcmp(limit->name, key) != 0) limit++;
+      for (const StyLimit *l = sty_limits; !limit->name && l->name; l++)
+        snprintf(expected + strlen(expected), sizeof expected - strlen(expected), "%s %s", l == sty_limits ? "" : ",",
+                 l->name);
+      if (limit->name) snprintf(expected, sizeof expected, "a number from 0 to %g", limit->largest);
+      const double value = json_number_value(budget);
+      if (!limit->name || !json_is_number(budget) || !(value >= 0 && value <= limit->largest))
+        return sty_fail_manifest_value(manifest, style, "check", key, budget, expected, error);
+    }
+  }
+  return STY_OK;
+}
+
+StyStatus check_manifest(const Packing *packing, StyError *error) {
+  StyStatus status = check_engines(&packing->manifest, error);
+  if (!status) status = check_limits(&packing->manifest, error);
+  return status ? status : check_jitter(packing);
 }
 
 /* All but the report, for which `styles` is filled with what the index says of them. */
@@ -387,8 +416,7 @@ static StyStatus run(PackArguments *arguments) {
   packing->command = "pack";
   packing->guides = json_object();
   StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
-  if (!status) status = check_engines(&packing->manifest, error);
-  if (!status) status = check_jitter(packing);
+  if (!status) status = check_manifest(packing, error);
   json_t *styles = json_array();
   if (!status) status = pack(packing, styles, error);
   if (!status) status = print_report(&arguments->options, packing, styles, sty_get_milliseconds() - start, error);

@@ -68,9 +68,8 @@ typedef struct Table {
   size_t holes;      /* texels that name a pixel without guide or paint */
 } Table;
 
-/* What a manifest's reader can't know: names of engines, and whether jitter is asked for twice. */
-StyStatus check_engines(const StyManifest *manifest, StyError *error);
-StyStatus check_jitter(Packing *packing);
+/* What a manifest's reader can't know: engines, what audits can be held to, and whether jitter is asked for twice. */
+StyStatus check_manifest(const Packing *packing, StyError *error);
 
 /* A picture's size, by its name in the manifest. */
 StyStatus measure_picture(const Packing *packing, const char *name, Size *out, StyError *error);

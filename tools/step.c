@@ -44,8 +44,8 @@ typedef struct StepKind {
 
 static const StepKind kinds[] = {
     {"guide", step_guide},   {"exemplars", step_exemplars}, {"guides", step_guides}, {"lut-size", step_lut_size},
-    {"lut", step_lut},       {"luts", step_luts},           {"params", step_params}, {"jitter", step_jitter},
-    {"bundle", step_bundle},
+    {"lut", step_lut},       {"luts", step_luts},           {"audit", step_audit},   {"params", step_params},
+    {"jitter", step_jitter}, {"bundle", step_bundle},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 

@@ -23,6 +23,9 @@ const char *get_step_file(const Step *step, const char *list, size_t i, StyError
 char *name_made(const char *output, StyError *error);
 StyStatus put_made(const char *output, StyError *error);
 
+/* Both, for a JSON value, which is spent. */
+StyStatus put_value(const char *output, json_t *value, StyError *error);
+
 /* A file as it is; whatever takes its place has another. The caller owns it. */
 json_t *identify_file(const char *path);
 
@@ -43,6 +46,7 @@ StyStatus step_exemplars(Step *step, StyError *error);
 StyStatus step_guides(Step *step, StyError *error);
 StyStatus step_lut_size(Step *step, StyError *error);
 StyStatus step_lut(Step *step, StyError *error);
+StyStatus step_audit(Step *step, StyError *error);
 StyStatus step_luts(Step *step, StyError *error);
 StyStatus step_params(Step *step, StyError *error);
 StyStatus step_jitter(Step *step, StyError *error);

@@ -45,6 +45,15 @@ StyStatus put_made(const char *output, StyError *error) {
   return status;
 }
 
+StyStatus put_value(const char *output, json_t *value, StyError *error) {
+  char *made = name_made(output, error);
+  StyStatus status = made ? sty_write_json(made, value, error) : STY_ERROR_LIBRARY;
+  if (!status) status = put_made(output, error);
+  json_decref(value);
+  free(made);
+  return status;
+}
+
 json_t *identify_file(const char *path) {
   struct stat info;
   if (stat(path, &info) != 0) return json_null();

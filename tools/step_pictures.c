@@ -28,17 +28,20 @@ static StyStatus write_depfile(const Step *step, const char *path, const char *i
 }
 
 StyStatus step_guide(Step *step, StyError *error) {
-  const char *depfile = NULL, *inputs = NULL;
+  const char *depfile = NULL, *inputs = NULL, *facts = NULL;
   StyImage *guide = NULL;
   char *made = name_made(step->output, error);
   if (!made) return STY_ERROR_LIBRARY;
   StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "depfile", 0, &depfile, error);
   if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "inputs", 0, &inputs, error);
-  if (depfile && inputs) step->packing.inputs = json_object();
+  if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "facts", 1, &facts, error);
+  step->packing.inputs = json_object();
   if (!status) status = get_guide(&step->packing, 0, &guide, error);
   if (!status) status = write_guide_texture(made, guide, error);
-  if (!status && step->packing.inputs) status = write_depfile(step, depfile, inputs, error);
+  if (!status && depfile && inputs) status = write_depfile(step, depfile, inputs, error);
   if (!status) status = put_made(step->output, error);
+  if (!status)
+    status = put_value(facts, json_pack("{s:i, s:O}", "bits", guide->bits, "inputs", step->packing.inputs), error);
   sty_destroy_image(&guide);
   free(made);
   return status;

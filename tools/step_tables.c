@@ -31,15 +31,6 @@ static StyStatus write_texture(const char *output, uint32_t format, int width, i
   return status ? status : put_made(output, error);
 }
 
-static StyStatus write_value(const char *output, json_t *value, StyError *error) {
-  char *made = name_made(output, error);
-  StyStatus status = made ? sty_write_json(made, value, error) : STY_ERROR_LIBRARY;
-  if (!status) status = put_made(output, error);
-  json_decref(value);
-  free(made);
-  return status;
-}
-
 /* ---- the size of all tables ---- */
 
 /* What one style's budget takes. */
@@ -55,7 +46,7 @@ StyStatus step_lut_size(Step *step, StyError *error) {
   if (!status) status = choose_lut_size(&step->packing, 0, guide, &size, error);
   if (!status) status = check_lut_size(fixed, fixed_by, step->packing.manifest.styles, size, error);
   sty_destroy_image(&guide);
-  return status ? status : write_value(step->output, json_pack("{s:i}", "size", size), error);
+  return status ? status : put_value(step->output, json_pack("{s:i}", "size", size), error);
 }
 
 /* The least that the recipe says, or what budgets take beyond it. */
@@ -132,7 +123,7 @@ static StyStatus make_lut(Step *step, const char *facts, StyError *error) {
   if (!status)
     status =
         write_texture(step->output, STY_VK_R16G16_UNORM, packing->lut_size, packing->lut_size, 1, table.texels, error);
-  if (!status) status = write_value(facts, json_pack("{s:o}", "lut", describe_lut(packing, 0, &table)), error);
+  if (!status) status = put_value(facts, json_pack("{s:o}", "lut", describe_lut(packing, 0, &table)), error);
   free(table.texels);
   sty_destroy_image(&guide);
   return status;
@@ -271,18 +262,36 @@ static StyStatus add_facts(const Step *step, size_t i, json_t *style, StyError *
   return STY_OK;
 }
 
+/* What a guide's scene names joins the history, by its name in the manifest's folder. */
+static StyStatus add_inputs(const Step *step, size_t i, const char *root, json_t *inputs, StyError *error) {
+  StyDocument facts = {NULL, NULL, NULL};
+  const char *path = get_step_file(step, "guide_facts", i, error), *name;
+  const StyStatus status = path ? sty_read_document(path, &facts, error) : STY_ERROR_INPUT;
+  const size_t length = strlen(root);
+  json_t *hash;
+  json_object_foreach(json_object_get(facts.root, "inputs"), name, hash) {
+    const bool is_inside = strncmp(name, root, length) == 0 && name[length] == '/';
+    json_object_set(inputs, is_inside ? name + length + 1 : name, hash);
+  }
+  sty_close_document(&facts);
+  return status;
+}
+
 /* The recipe has the index as far as it is known before anything is made; tables say the rest. */
 StyStatus step_bundle(Step *step, StyError *error) {
-  const char *parts = NULL, *path = NULL;
+  const char *parts = NULL, *path = NULL, *root = NULL;
   const StyDocument *recipe = &step->recipe;
   json_t *index = json_object_get(recipe->root, "index"), *style;
+  json_t *inputs = json_object_get(json_object_get(index, "history"), "inputs");
   StyStatus status = sty_get_string(recipe, NULL, recipe->root, "parts", 1, &parts, error);
   if (!status) status = sty_get_string(recipe, NULL, recipe->root, "bundle", 1, &path, error);
+  if (!status) status = sty_get_string(recipe, NULL, recipe->root, "root", 1, &root, error);
   if (!status && !json_is_object(index))
     status = sty_fail(error, STY_ERROR_INPUT, "%s: found no \"index\", expected an object", recipe->name);
   size_t i;
   json_array_foreach(json_object_get(index, "styles"), i, style) {
     if (!status) status = add_facts(step, i, style, error);
+    if (!status && inputs) status = add_inputs(step, i, root, inputs, error);
   }
   return status ? status : sty_assemble_bundle(path, parts, index, error);
 }

@@ -107,6 +107,19 @@ void sty_free_audit_maps(StyAuditMaps *maps);
 StyStatus sty_audit_lut(const StyLut *lut, const StyLut *exact, const StyImage *guide, const StyAuditOptions *options,
                         const StyRun *run, StyAudit *out, StyAuditMaps *maps, StyError *error);
 
+/* What an audit can be held to, as the options of `stylut check` and the keys of a manifest's "check" call it. */
+typedef struct StyLimit {
+  const char *name;
+  double largest; /* that makes sense: degrees, or a share */
+  bool at_least;  /* the figure must be as large as the budget, not as small */
+} StyLimit;
+enum { STY_LIMITS = 9 };
+extern const StyLimit sty_limits[]; /* NULL behind the last */
+
+/* The figure that a limit is about, and whether it keeps to a budget. */
+double sty_get_limited(const StyAudit *audit, int limit);
+bool sty_is_within(const StyAudit *audit, int limit, double budget);
+
 /* The lookup error alone (see StyAudit). STY_ERROR_INPUT: sizes don't fit, no
  * normals, no covered pixel in the frames; STY_ERROR_LIBRARY (memory). */
 StyStatus sty_audit_lookup(const StyLut *lut, const StyImage *guide, const StyAuditOptions *options, StyFigures *out,

@@ -72,6 +72,7 @@ typedef struct StyManifestStyle {
   const char *lut_resolve;                  /* "nearest" (unless given), "coherent", "frames" or "both" */
   double lut_slack;                         /* 8-bit levels, for all but "nearest" */
   const json_t *lut_frames;                 /* guide files, for "frames" and "both"; see sty_get_manifest_name */
+ const json_t *check;      /* what its audit is held to: an object of numbers, or NULL; names are left to the packer */
   const char *lut_sampling; /* "unorm8" (unless given) or "centre"; NULL for a file that says it itself */
   StyStyle parameters;      /* first layer and the flags of textures are left to the packer */
 } StyManifestStyle;
@@ -101,9 +102,9 @@ StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error)
  * spent. */
 StyStatus sty_parse_manifest(StyDocument *document, const char *folder, StyManifest *out, StyError *error);
 
-/* STY_ERROR_INPUT for a value of a style's "lut", wherever that was written. */
-StyStatus sty_fail_manifest_lut(const StyManifest *manifest, const StyManifestStyle *style, const char *key,
-                                const json_t *found, const char *expected, StyError *error);
+/* STY_ERROR_INPUT for a value of a style's "lut" or "check" (`section`), which stands there or in the defaults. */
+StyStatus sty_fail_manifest_value(const StyManifest *manifest, const StyManifestStyle *style, const char *section,
+                                  const char *key, const json_t *found, const char *expected, StyError *error);
 void sty_close_manifest(StyManifest *manifest);
 
 /* ---- writing ------------------------------------------------------------------ */

@@ -188,6 +188,15 @@ static const StyManifestStyle plain_style = {
     .parameters = {.threshold = 24, .top_level = 6, .radius = 1, .layer_count = 1, .jitter_amount = 1, .scale = 1},
 };
 
+static StyStatus read_check(const StyDocument *document, const StyPath *path, const json_t *style,
+                            StyManifestStyle *out, StyError *error) {
+  const json_t *check = json_object_get(style, "check");
+  if (check && !json_is_object(check))
+    return sty_fail_value(document, &(StyPath){path, "check", 0}, check, "an object of budgets", error);
+  if (check) out->check = check;
+  return STY_OK;
+}
+
 static void forget_lut(StyManifestStyle *style) {
   StyManifestStyle fresh = plain_style;
   fresh.entry = style->entry;
@@ -196,6 +205,7 @@ static void forget_lut(StyManifestStyle *style) {
   fresh.guide = style->guide;
   fresh.base = style->base;
   fresh.parameters = style->parameters;
+  fresh.check = style->check;
   *style = fresh;
 }
 
@@ -206,12 +216,13 @@ static StyStatus read_common(const StyDocument *document, const StyPath *path, c
   StyStatus status = sty_get_string(document, path, style, "guide", 0, &out->guide, error);
   if (!status) status = read_base(document, path, style, out, error);
   if (!status && json_object_get(style, "lut")) status = read_lut(document, path, style, out, error);
+  if (!status) status = read_check(document, path, style, out, error);
   if (!status) status = read_parameters(document, path, json_object_get(style, "params"), &out->parameters, error);
   return status;
 }
 
 static StyStatus read_defaults(const StyDocument *document, StyManifestStyle *out, StyError *error) {
-  static const char *const known[] = {"guide", "base", "lut", "params", NULL};
+  static const char *const known[] = {"guide", "base", "lut", "params", "check", NULL};
   const json_t *defaults = json_object_get(document->root, "defaults");
   const StyPath path = {NULL, "defaults", 0};
   *out = plain_style;
@@ -343,7 +354,8 @@ static bool has_parameter(const json_t *style, const char *name) {
 
 static StyStatus read_style(StyManifest *manifest, const StyPath *path, const json_t *style,
                             const StyManifestStyle *defaults, StyError *error) {
-  static const char *const known[] = {"name", "exemplar", "exemplars", "glob", "guide", "base", "lut", "params", NULL};
+  static const char *const known[] = {"name", "exemplar", "exemplars", "glob",  "guide",
+                                      "base", "lut",      "params",    "check", NULL};
   const StyDocument *document = &manifest->document;
   StyManifestStyle read = *defaults;
   read.entry = path->index;
@@ -420,12 +432,13 @@ StyStatus sty_read_manifest(const char *path, StyManifest *out, StyError *error)
   return status;
 }
 
-StyStatus sty_fail_manifest_lut(const StyManifest *manifest, const StyManifestStyle *style, const char *key,
-                                const json_t *found, const char *expected, StyError *error) {
+StyStatus sty_fail_manifest_value(const StyManifest *manifest, const StyManifestStyle *style, const char *section,
+                                  const char *key, const json_t *found, const char *expected, StyError *error) {
+  const json_t *root = manifest->document.root;
   const StyPath styles = {NULL, "styles", 0}, entry = {&styles, NULL, style->entry}, defaults = {NULL, "defaults", 0};
-  const bool is_default = style->lut == json_object_get(json_object_get(manifest->document.root, "defaults"), "lut");
-  const StyPath lut = {is_default ? &defaults : &entry, "lut", 0};
-  return sty_fail_value(&manifest->document, &(StyPath){&lut, key, 0}, found, expected, error);
+  const bool is_own = json_object_get(json_array_get(json_object_get(root, "styles"), style->entry), section);
+  const StyPath path = {is_own ? &entry : &defaults, section, 0};
+  return sty_fail_value(&manifest->document, &(StyPath){&path, key, 0}, found, expected, error);
 }
 
 void sty_close_manifest(StyManifest *manifest) {

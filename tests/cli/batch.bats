@@ -47,6 +47,8 @@ expect_packed() { # BUNDLE MANIFEST OPTION...: what pack makes of it
   expect_same "$bundle/import-settings.json" ref/import-settings.json
   expect "index of $bundle" "$(json "$bundle/bundle.json" 'JSON.stringify([r.styles, r.jitter, r.history.manifest, r.files])')" \
     "$(json ref/bundle.json 'JSON.stringify([r.styles, r.jitter, r.history.manifest, r.files])')"
+  expect "inputs of $bundle" "$(json "$bundle/bundle.json" 'JSON.stringify(Object.entries(r.history.inputs).sort())')" \
+    "$(json ref/bundle.json 'JSON.stringify(Object.entries(r.history.inputs).sort())')"
   accept validate "$bundle"
   rm -rf ref
 }
@@ -188,6 +190,38 @@ styles 0 True []"
   accept batch styles.json -o out
   expect 'tables as before' "$(find out/.stylut/tables -name '*.ktx2' | wc -l)" 3
   expect_packed out/styles styles.json
+}
+
+@test "--check audits every table, and refuses bundles by it" {
+  bring painted table.png sphere.png
+  printf '%s\n' '{"schema": "stylut-bundle/1", "defaults": {"check": {"max-p99": 50, "min-coverage": 0.5}}, "styles": [
+    {"name": "loose", "exemplar": "painted/oil.png"},
+    {"name": "strict", "exemplar": "painted/oil.png", "check": {"max-p99": 0.5, "max-mean": 0.1, "max-jumps": 1}}]}' >m.json
+  accept batch m.json -o out
+  rm -r out/m
+  refuse_batch 6 "error: m, audit of 'strict': style 'strict': max-mean: found 1." m.json -o out --check
+  refuse_batch 6 '; max-p99: found ' m.json -o out --check -k
+  [ ! -e out/m ] || complain 'a bundle was packed of which an audit fails'
+  # The same figures as of check, for the same table and guide.
+  sed -i 's/0\.5, "max-mean": 0\.1/50, "max-mean": 20/' m.json
+  accept batch m.json -o out --check
+  accept validate out/m
+  printf '%s\n' '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "painted/oil.png", "guide": "sphere.png", "lut": "table.png"}]}' >one.json
+  oiiotool --no-autopremult painted/oil.png --ch R,G,B,A=1 -d uint8 -o painted/oil.png
+  accept batch one.json -o out --check
+  "$STYLUT" check table.png --guide sphere.png --format json >check.json
+  expect audit "$(json out/.stylut/one/luts/001.audit 'JSON.stringify([r.lookup, r.assignment, r.ambiguous, r.jumps, r.unstable, r.unused, r.coverage])')" \
+    "$(json check.json 'JSON.stringify([r.lookup, r.assignment, r.ambiguous, r.jumps, r.unstable, r.unused, r.coverage])')"
+  accept batch one.json -o out --check --format json
+  expect 'steps of an audit that passed' "$(steps)" 0
+  # Budgets are looked at anew when they change.
+  printf '%s\n' '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "painted/oil.png", "guide": "sphere.png", "lut": "table.png", "check": {"max-error": 0.001}}]}' >one.json
+  refuse_batch 6 'max-error' one.json -o out --check
+  for check in '5' '{"max-p98": 1}' '{"max-p99": "1"}' '{"max-jumps": 2}' '{"min-coverage": -1}'; do
+    printf '%s\n' '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "painted/oil.png", "check": '"$check"'}]}' >bad.json
+    refuse 3 'bad.json:1:' pack bad.json -o bundle
+    refuse 3 'bad.json:1:' batch bad.json -o other
+  done
 }
 
 @test "a dry run says what would be done" {

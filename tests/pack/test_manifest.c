@@ -333,7 +333,7 @@ static void test_shared_defaults(void **state) {
             " {\"name\": \"b\", \"exemplar\": \"b.png\", \"guide\": \"b.exr\", \"lut\": {\"engine\": \"brute\"},\n"
             "  \"params\": {\"radius\": 2}},\n"
             " {\"name\": \"c\", \"exemplars\": [{\"image\": \"1\", \"luma\": 0}, {\"image\": \"2\", \"luma\": 1}]}],\n"
-            " \"defaults\": {\"guide\": \"{name}/g.exr\", \"lut\": {\"size\": 64},\n"
+            " \"defaults\": {\"check\": {\"max-p99\": 2}, \"guide\": \"{name}/g.exr\", \"lut\": {\"size\": 64},\n"
             "  \"params\": {\"threshold\": 30, \"luma_weight\": 0, \"radius\": 5}}}",
             &manifest);
   const StyManifestStyle *a = manifest.styles, *b = a + 1, *c = a + 2;
@@ -348,11 +348,13 @@ static void test_shared_defaults(void **state) {
   assert_int_equal(b->parameters.radius, 2);
   assert_int_equal(c->parameters.radius, 5);
   assert_true(c->parameters.luma_weight == 0);
+  assert_true(json_number_value(json_object_get(b->check, "max-p99")) == 2);
   StyError error;
-  expect_message(sty_fail_manifest_lut(&manifest, a, "size", json_object_get(a->lut, "size"), "more", &error),
+  expect_message(sty_fail_manifest_value(&manifest, a, "lut", "size", json_object_get(a->lut, "size"), "more", &error),
                  STY_ERROR_INPUT, &error, PARTS(":6:", "defaults.lut.size: found 64, expected more"));
-  expect_message(sty_fail_manifest_lut(&manifest, b, "engine", json_object_get(b->lut, "engine"), "less", &error),
-                 STY_ERROR_INPUT, &error, PARTS(":3:", "styles[1].lut.engine: found"));
+  expect_message(
+      sty_fail_manifest_value(&manifest, b, "lut", "engine", json_object_get(b->lut, "engine"), "less", &error),
+      STY_ERROR_INPUT, &error, PARTS(":3:", "styles[1].lut.engine: found"));
   sty_close_manifest(&manifest);
 }
 
