@@ -72,7 +72,7 @@ typedef struct StyManifestStyle {
   const char *lut_resolve;                  /* "nearest" (unless given), "coherent", "frames" or "both" */
   double lut_slack;                         /* 8-bit levels, for all but "nearest" */
   const json_t *lut_frames;                 /* guide files, for "frames" and "both"; see sty_get_manifest_name */
- const json_t *check;      /* what its audit is held to: an object of numbers, or NULL; names are left to the packer */
+  const json_t *check;      /* what its audit is held to: an object of numbers, or NULL; names are left to the packer */
   const char *lut_sampling; /* "unorm8" (unless given) or "centre"; NULL for a file that says it itself */
   StyStyle parameters;      /* first layer and the flags of textures are left to the packer */
 } StyManifestStyle;
