@@ -14,6 +14,9 @@ moduledir = $(prefix)/lib
 includedir = $(prefix)/include
 docdir = $(prefix)/share/doc/stylut
 glsldir = $(prefix)/share/stylut/glsl
+mandir = $(prefix)/share/man/man1
+bashdir = $(prefix)/share/bash-completion/completions
+zshdir = $(prefix)/share/zsh/site-functions
 
 ifeq ($(origin CC),default)
 CC = gcc
@@ -26,8 +29,8 @@ AR ?= ar
 # What must be there before anything compiles, as Debian 12 packages.
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
-DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core ninja-build
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils \
+DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core ninja-build help2man
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils man-db zsh \
   libepoxy-dev libegl-dev libegl1 libgles2 libgl1 libgl1-mesa-dri
 BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels time
 STYLE_PACKAGES = clang-format shellcheck
@@ -309,14 +312,23 @@ style: ## formatting, includes, shell scripts
 	@tests/style.sh
 
 # ---- install ----------------------------------------------------------------
-.PHONY: install uninstall
-install: all ## install under $(prefix), with DESTDIR
+.PHONY: install uninstall manual
+# The date of a page is that of the sources.
+manual: all ## manual pages of all commands, of what --help says: build/CONFIG/man
+	@SOURCE_DATE_EPOCH=$${SOURCE_DATE_EPOCH:-$$(git log -1 --format=%ct 2>/dev/null || echo 0)} \
+	  tools/shell/manual.sh $(TOOL) $(BUILD)/man $(VERSION)
+
+install: manual ## install under $(prefix), with DESTDIR
 	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(moduledir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
 	install -m 755 $(TOOL) $(DESTDIR)$(bindir)/stylut
 	install -m 644 $(LIBRARY) $(RUNTIME_LIBRARY) $(DESTDIR)$(libdir)/
 	install -m 644 $(MODULE) $(DESTDIR)$(moduledir)/
 	install -m 644 include/stylut/*.h $(DESTDIR)$(includedir)/stylut/
 	install -m 644 LICENSE README.md CHANGELOG.md $(DESTDIR)$(docdir)/
+	install -d $(DESTDIR)$(mandir) $(DESTDIR)$(bashdir) $(DESTDIR)$(zshdir)
+	install -m 644 $(BUILD)/man/*.1 $(DESTDIR)$(mandir)/
+	install -m 644 tools/shell/completion.bash $(DESTDIR)$(bashdir)/stylut
+	install -m 644 tools/shell/_stylut $(DESTDIR)$(zshdir)/
 	install -d $(DESTDIR)$(glsldir)/330 $(DESTDIR)$(glsldir)/es300
 	install -m 644 $(GLSL)/* $(DESTDIR)$(glsldir)/
 	$(foreach dialect,330 es300,install -m 644 $(BUILD)/glsl/$(dialect)/* $(DESTDIR)$(glsldir)/$(dialect)/;)
@@ -330,6 +342,7 @@ pkgconfig = printf '%s\n' 'prefix=$(prefix)' 'libdir=$(libdir)' 'includedir=$(in
 uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(bindir)/stylut $(DESTDIR)$(libdir)/libstylut.a $(DESTDIR)$(libdir)/libstylut_rt.a \
 	  $(DESTDIR)$(moduledir)/libstylut_oiio.so
+	rm -f $(DESTDIR)$(mandir)/stylut.1 $(DESTDIR)$(mandir)/stylut-*.1 $(DESTDIR)$(bashdir)/stylut $(DESTDIR)$(zshdir)/_stylut
 	rm -f $(DESTDIR)$(libdir)/pkgconfig/libstylut.pc $(DESTDIR)$(libdir)/pkgconfig/libstylut_rt.pc
 	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir) $(DESTDIR)$(prefix)/share/stylut
 

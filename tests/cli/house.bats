@@ -86,7 +86,8 @@ compile_with() {
   local file
   for file in bin/stylut lib/libstylut.a lib/libstylut_rt.a lib/libstylut_oiio.so lib/pkgconfig/libstylut.pc lib/pkgconfig/libstylut_rt.pc \
     include/stylut/runtime.h share/doc/stylut/LICENSE share/stylut/glsl/README.md share/stylut/glsl/common.glsl \
-    share/stylut/glsl/330/transfer.frag share/stylut/glsl/es300/full_screen.vert; do
+    share/stylut/glsl/330/transfer.frag share/stylut/glsl/es300/full_screen.vert share/man/man1/stylut.1 \
+    share/man/man1/stylut-guide-scene.1 share/bash-completion/completions/stylut share/zsh/site-functions/_stylut; do
     [ -s "stage/usr/$file" ] || complain "usr/$file isn't installed"
   done
   ! grep -rqF "$PWD" stage/usr/lib/pkgconfig || complain "pkg-config files hold the staging folder"
