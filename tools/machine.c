@@ -27,11 +27,17 @@ static void find_processor(char *name, int size) {
   if (stream) fclose(stream);
 }
 
-const char *format_machine(char text[MACHINE_SIZE]) {
-  char processor[200], libraries[MACHINE_SIZE];
+const char *format_processor(char text[MACHINE_SIZE]) {
+  char processor[200];
   find_processor(processor, sizeof processor);
   const int cores = sty_get_threads(NULL);
-  snprintf(text, MACHINE_SIZE, "%.100s, %d core%s; stylut %s; %.300s", processor, cores, cores == 1 ? "" : "s",
-           STY_VERSION, format_libraries(libraries));
+  snprintf(text, MACHINE_SIZE, "%.100s, %d core%s", processor, cores, cores == 1 ? "" : "s");
+  return text;
+}
+
+const char *format_machine(char text[MACHINE_SIZE]) {
+  char processor[MACHINE_SIZE], libraries[MACHINE_SIZE];
+  snprintf(text, MACHINE_SIZE, "%.120s; stylut %s; %.300s", format_processor(processor), STY_VERSION,
+           format_libraries(libraries));
   return text;
 }

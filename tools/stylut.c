@@ -41,6 +41,7 @@ static const Command commands[] = {
     {"info", "say what a file or bundle holds", run_info},
     {"validate", "verify a bundle, finding by finding", run_validate},
     {"compare", "say whether and where two pictures differ", run_compare},
+    {"doctor", "say what this machine has, and check that it all works", run_doctor},
     {"bench", "measure speed on this machine beside the committed figures", run_bench},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };

@@ -59,3 +59,25 @@ complete_in_zsh() {
   expect_holds options "$(complete_in_zsh stylut batch m.json --)" --junit
   expect files "$(complete_in_zsh stylut lut '')" files
 }
+
+@test "doctor says what there is, and what fails" {
+  accept doctor
+  expect_match first "$(head -n 1 <<<"$output")" '^stylut [0-9.]+$'
+  expect_holds libraries "$output" "$("$STYLUT" --version | sed -n 2p)"
+  expect works "$(grep -c '^works ' <<<"$output")" 4
+  accept doctor --format json
+  expect checks "$(json - 'r.checks.filter(c => c.works).length + " of " + r.checks.length' <<<"$output")" '4 of 4'
+  # A tool without its module reads no picture, and says so.
+  cp "$STYLUT" stylut
+  mkdir scratch
+  local status=0
+  TMPDIR=$PWD/scratch ./stylut doctor >out.txt 2>said.txt || status=$?
+  expect 'exit code' "$status" 6
+  # What the checks ran has its lines, too; the last is doctor's.
+  expect_holds said "$(tail -n 1 said.txt)" 'stylut: error: pictures: '
+  expect_match out "$(cat out.txt)" 'FAILED +pictures '
+  expect_match out "$(cat out.txt)" 'works +tables '
+  expect 'left behind' "$(ls scratch)" ''
+  refuse 1 "'x'" doctor x
+  TMPDIR=/nowhere refuse 2 /nowhere doctor
+}
