@@ -35,7 +35,7 @@ static StyStatus read_table(const char *path, Size source, StySampling sampling,
 static StyStatus read_facts(const Step *step, StySampling *sampling, int *bits, StyError *error) {
   StyDocument table = {NULL, NULL, NULL}, guide = {NULL, NULL, NULL};
   const char *table_file = get_step_file(step, "facts", 0, error), *name = NULL;
-  const char *guide_file = table_file ? get_step_file(step, "facts", 1, error) : NULL;
+  const char *guide_file = table_file ? get_step_file(step, "guide_facts", 0, error) : NULL;
   StyStatus status = guide_file ? sty_read_document(table_file, &table, error) : STY_ERROR_INPUT;
   if (!status) status = sty_read_document(guide_file, &guide, error);
   if (!status) status = sty_get_integer(&guide, NULL, guide.root, "bits", 8, 32, bits, error);
