@@ -55,9 +55,9 @@ static json_t *make_names(const Bundle *bundle, const json_t *names) {
 }
 
 static json_t *make_lut(const Bundle *bundle, const StyManifestStyle *style, json_t *keeper) {
-  json_t *lut = json_is_object(style->lut) ? json_copy((json_t *)(uintptr_t)style->lut) : json_object();
-  if (style->lut_file) json_object_set_new(lut, "file", json_string(find_absolute(bundle, style->lut_file, keeper)));
-  if (style->lut_frames) json_object_set_new(lut, "frames", make_names(bundle, style->lut_frames));
+  json_t *lut = json_is_object(style->lut.written) ? json_copy((json_t *)(uintptr_t)style->lut.written) : json_object();
+  if (style->lut.file) json_object_set_new(lut, "file", json_string(find_absolute(bundle, style->lut.file, keeper)));
+  if (style->lut.frames) json_object_set_new(lut, "frames", make_names(bundle, style->lut.frames));
   return lut;
 }
 
@@ -71,9 +71,8 @@ static json_t *make_style(const Bundle *bundle, int number, unsigned parts) {
                              parts & WITH_PICTURES ? find_absolute(bundle, style->exemplars[k], keeper) : "-", "luma",
                              (double)style->parameters.luma[k]));
   if (parts & WITH_GUIDE)
-    json_object_set_new(
-        out, "guide",
-        json_string(strcmp(style->guide, "sphere") == 0 ? "sphere" : find_absolute(bundle, style->guide, keeper)));
+    json_object_set_new(out, "guide",
+                        json_string(is_sphere(style) ? "sphere" : find_absolute(bundle, style->guide, keeper)));
   if (parts & WITH_BASE && style->base > 0) json_object_set_new(out, "base", json_real(style->base));
   if (parts & WITH_LUT) json_object_set_new(out, "lut", make_lut(bundle, style, keeper));
   if (parts & WITH_PARAMS) json_object_set_new(out, "params", sty_describe_parameters(&style->parameters));
@@ -151,8 +150,6 @@ static void name_style_part(const Bundle *bundle, const char *form, int number, 
 }
 
 /* ---- steps ---- */
-
-static bool is_sphere(const StyManifestStyle *style) { return strcmp(style->guide, "sphere") == 0; }
 
 /* A guide that is a picture has its exemplar's size. */
 static StyStatus check_guide_size(const Bundle *bundle, int number, StyError *error) {
@@ -306,7 +303,7 @@ static StyStatus plan_lut(Bundle *bundle, int number, StyError *error) {
   add_name(bundle->luts, output);
   add_name(bundle->facts, facts);
   Edge edge = begin_table_step(bundle, "lut", form, number, WITH_GUIDE | WITH_LUT);
-  edge.is_wide = strcmp(style->lut_resolve, "nearest") != 0;
+  edge.is_wide = strcmp(style->lut.resolve, "nearest") != 0;
   add_output(&edge, "facts", facts);
   json_object_set_new(edge.recipe, "shared", json_string(SHARED_TABLES));
   json_object_set_new(edge.recipe, "lut_size", json_integer(find_least_size(bundle)));
@@ -314,10 +311,10 @@ static StyStatus plan_lut(Bundle *bundle, int number, StyError *error) {
     json_array_extend(edge.inputs, bundle->lut_sizes);
   else
     add_files(&edge, "lut_sizes", bundle->lut_sizes);
-  if (style->lut_file) add_input(bundle, style->lut_file, &edge, error);
-  if (style->lut_file && !is_sphere(style)) add_input(bundle, style->guide, &edge, error);
-  for (size_t i = 0; i < sty_count_manifest_names(style->lut_frames); i++)
-    add_input(bundle, sty_get_manifest_name(style->lut_frames, i), &edge, error);
+  if (style->lut.file) add_input(bundle, style->lut.file, &edge, error);
+  if (style->lut.file && !is_sphere(style)) add_input(bundle, style->guide, &edge, error);
+  for (size_t i = 0; i < sty_count_manifest_names(style->lut.frames); i++)
+    add_input(bundle, sty_get_manifest_name(style->lut.frames, i), &edge, error);
   snprintf(what, sizeof what, "table of '%.400s'", style->name);
   return end_step(bundle, what, &edge, error);
 }
@@ -347,7 +344,7 @@ static StyStatus plan_params(Bundle *bundle, StyError *error) {
   json_t *unorm8 = json_array();
   Edge edge = begin_step(bundle, "params", "params.ktx2", -1, WITH_BASE | WITH_PARAMS);
   for (int i = 0; i < bundle->packing->manifest.style_count; i++) {
-    const char *sampling = bundle->packing->manifest.styles[i].lut_sampling; /* NULL: its file knows */
+    const char *sampling = bundle->packing->manifest.styles[i].lut.sampling; /* NULL: its file knows */
     json_t *facts = json_array_get(bundle->facts, (size_t)i);
     json_array_append_new(unorm8, sampling ? json_boolean(strcmp(sampling, "unorm8") == 0) : json_incref(facts));
     if (!sampling) json_array_append(edge.inputs, facts);

@@ -2,8 +2,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -11,11 +9,13 @@
 #include <unistd.h>
 
 #include "batch.h"
-
-extern char **environ;
+#include "spawn.h"
 
 /* Before each line that says how far it is: "done all step". */
 #define MARK "\x1e"
+
+/* Where steps that use all threads find how many that is (see ninja_head). */
+#define THREADS "STYLUT_THREADS"
 
 enum { MOST_WORDS = 12 };
 
@@ -26,7 +26,7 @@ static StyStatus set_environment(const Plan *plan, StyError *error) {
   self[length] = 0;
   snprintf(threads, sizeof threads, "%d",
            sty_get_threads(&(StyRun){.threads = plan->arguments->making.options.threads}));
-  if (setenv("STYLUT", self, 1) == 0 && setenv("STYLUT_THREADS", threads, 1) == 0 &&
+  if (setenv("STYLUT", self, 1) == 0 && setenv(THREADS, threads, 1) == 0 &&
       setenv("NINJA_STATUS", MARK "%f %t ", 1) == 0)
     return STY_OK;
   return sty_fail_memory(error, "environment", 0);
@@ -34,31 +34,13 @@ static StyStatus set_environment(const Plan *plan, StyError *error) {
 
 /* Its stdout and stderr come out of *said. */
 static StyStatus start_ninja(const Plan *plan, bool dry, pid_t *child, FILE **said, StyError *error) {
-  char threads[16];
-  const char *words[MOST_WORDS] = {"ninja", "-C", plan->folder, "-j", threads};
+  const char *words[MOST_WORDS] = {"ninja", "-C", plan->folder, "-j", getenv(THREADS)};
   int count = 5, ends[2];
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  sigset_t none, all;
-  snprintf(threads, sizeof threads, "%d",
-           sty_get_threads(&(StyRun){.threads = plan->arguments->making.options.threads}));
   if (plan->arguments->keep_going) words[count++] = "-k", words[count++] = "0";
   if (dry) words[count++] = "-n";
-  sigemptyset(&none);
-  sigfillset(&all);
-  if (pipe(ends) != 0) return sty_fail(error, STY_ERROR_LIBRARY, "pipe: cannot make it: %s", strerror(errno));
-  int cause = posix_spawn_file_actions_init(&actions);
-  if (!cause) cause = posix_spawnattr_init(&attributes);
-  if (!cause) cause = posix_spawn_file_actions_addclose(&actions, ends[0]);
-  if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-  if (!cause) cause = posix_spawn_file_actions_addclose(&actions, ends[1]);
-  if (!cause) cause = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  if (!cause) cause = posix_spawnattr_setsigdefault(&attributes, &all);
-  if (!cause) cause = posix_spawnattr_setsigmask(&attributes, &none);
-  if (!cause) cause = posix_spawnp(child, "ninja", &actions, &attributes, (char *const *)words, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    return sty_fail(error, STY_ERROR_LIBRARY, "pipe: cannot make it: %s", strerror(errno));
+  const int cause = spawn_program(words, STDIN_FILENO, ends[1], ends[1], child);
   close(ends[1]);
   *said = cause ? NULL : fdopen(ends[0], "r");
   if (*said) return STY_OK;

@@ -1,7 +1,6 @@
 /* stylut doctor: what this machine has, and whether it all works. */
 #include "doctor.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,16 +14,12 @@
 #include "stylut/file.h"
 #include "stylut/runtime.h"
 
-typedef struct Arguments {
-  Options options;
-} Arguments;
-
 static error_t parse_option(int key, char *text, struct argp_state *state) {
-  Arguments *arguments = state->input;
+  Options *options = state->input;
   begin_option(key, text, state);
   if (key == ARGP_KEY_INIT) return 0;
   if (key != ARGP_KEY_ARG) return ARGP_ERR_UNKNOWN;
-  return end_option(sty_fail(&arguments->options.error, STY_ERROR_USAGE, "found argument '%s', expected none", text));
+  return end_option(sty_fail(&options->error, STY_ERROR_USAGE, "found argument '%s', expected none", text));
 }
 
 static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {0}};
@@ -135,14 +130,6 @@ typedef struct Outcome {
   double milliseconds;
 } Outcome;
 
-static void empty_folder(const char *name) {
-  DIR *folder = opendir(name);
-  for (const struct dirent *entry; folder && (entry = readdir(folder));) unlinkat(dirfd(folder), entry->d_name, 0);
-  if (folder) closedir(folder);
-  rmdir(name);
-  sty_forget_temporary(name);
-}
-
 static StyStatus run_checks(Outcome outcomes[MOST_CHECKS], StyError *error) {
   char *folder = NULL, *name = sty_join_path(get_temporary(), "stylut-doctor");
   StyStatus status = name ? sty_make_temporary_folder(name, &folder, error) : sty_fail_memory(error, "doctor", 0);
@@ -152,7 +139,7 @@ static StyStatus run_checks(Outcome outcomes[MOST_CHECKS], StyError *error) {
     checks[i].run(folder, &outcomes[i].error);
     outcomes[i].milliseconds = sty_get_milliseconds() - start;
   }
-  if (folder) empty_folder(folder);
+  if (folder) sty_remove_temporary_folder(folder);
   free(folder);
   free(name);
   return status;
@@ -185,8 +172,7 @@ static StyStatus print_as_json(const Fact facts[FACTS], const Outcome outcomes[M
                     error);
 }
 
-static StyStatus run(Arguments *arguments) {
-  Options *options = &arguments->options;
+static StyStatus run(Options *options) {
   Fact facts[FACTS];
   Outcome outcomes[MOST_CHECKS];
   gather_facts(facts);
@@ -203,8 +189,8 @@ static StyStatus run(Arguments *arguments) {
 }
 
 StyStatus run_doctor(int argc, char **argv) {
-  Arguments arguments = {.options = {.output = NULL}};
-  StyStatus status = parse_arguments(&parser, argc, argv, &arguments);
-  if (!status && !arguments.options.helped) status = run(&arguments);
-  return finish_command(&arguments.options, status);
+  Options options = {.output = NULL};
+  StyStatus status = parse_arguments(&parser, argc, argv, &options);
+  if (!status && !options.helped) status = run(&options);
+  return finish_command(&options, status);
 }

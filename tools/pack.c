@@ -121,7 +121,7 @@ static bool is_same_table(const Packing *packing, const Prepared *a, const Prepa
   const float *covered[2] = {sty_find_channel(a->source.guide, "A"), sty_find_channel(b->source.guide, "A")};
   const size_t i = (size_t)(a->style - packing->manifest.styles), k = (size_t)(b->style - packing->manifest.styles);
   return strcmp(a->style->guide, b->style->guide) == 0 && a->table.texels &&
-         (a->style->lut == b->style->lut || json_equal(a->style->lut, b->style->lut)) &&
+         (a->style->lut.written == b->style->lut.written || json_equal(a->style->lut.written, b->style->lut.written)) &&
          memcmp(&packing->sizes[i], &packing->sizes[k], sizeof packing->sizes[i]) == 0 &&
          memcmp(covered[0], covered[1], sty_count_pixels(a->source.guide) * sizeof(float)) == 0;
 }
@@ -143,7 +143,7 @@ void review_holes(const Options *options, const StyManifestStyle *style, size_t 
     warn(options,
          "style '%s': found %zu entries of %s where the exemplar has no paint or the guide is empty, expected them on "
          "paint; without \"lut\" a table is made that is",
-         clean_text(style->name), holes, clean_text(style->lut_file));
+         clean_text(style->name), holes, clean_text(style->lut.file));
 }
 
 /* Replaces what `prepared` holds of the style before by this one's; without `tables`, all but its table. */
@@ -335,8 +335,8 @@ static StyStatus print_report(Options *options, const Packing *packing, const js
 
 /* Budgets are for exact tables, and slack is counted from their distances. */
 static bool takes_exact(const StyManifestStyle *style) {
-  return strcmp(style->lut_resolve, "nearest") != 0 || style->most_mean > 0 || style->most_p99 > 0 ||
-         style->most_error > 0;
+  return strcmp(style->lut.resolve, "nearest") != 0 || style->lut.most_mean > 0 || style->lut.most_p99 > 0 ||
+         style->lut.most_error > 0;
 }
 
 /* The manifest's reader knows no engines; their names are checked here. */
@@ -345,11 +345,11 @@ static StyStatus check_engines(const StyManifest *manifest, StyError *error) {
     const StyManifestStyle *style = &manifest->styles[i];
     const StyEngine *engine;
     StyError cause;
-    if (sty_find_engine("engine", style->lut_engine, &engine, &cause) == STY_OK) {
+    if (sty_find_engine("engine", style->lut.engine, &engine, &cause) == STY_OK) {
       if (engine->exact || !takes_exact(style)) continue;
       sty_fail(&cause, STY_ERROR_USAGE, "one of the exact engines, as budgets and \"resolve\" count from the least");
     }
-    json_t *name = json_string(style->lut_engine);
+    json_t *name = json_string(style->lut.engine);
     const char *expected = strstr(cause.text, "one of ");
     sty_fail_manifest_value(manifest, style, "lut", "engine", name, expected ? expected : "an engine", error);
     json_decref(name);

@@ -126,6 +126,8 @@ json_t *describe_lookup(const Table *table); /* its errors */
 json_t *describe_lut(const Packing *packing, int number, const Table *table);
 json_t *describe_jitter(const Packing *packing);
 
+/* Whether a style's guide is the analytic sphere, no file; whether its table has a budget. */
+bool is_sphere(const StyManifestStyle *style);
 bool has_budget(const StyManifestStyle *style);
 
 /* The size that a style insists on and all others take, and the first that does; 0: none does. */

@@ -43,9 +43,9 @@ StyStatus begin_history(Packing *packing, json_t *index, StyError *error) {
     const StyManifestStyle *style = &manifest->styles[i];
     for (int k = 0; !status && k < style->parameters.layer_count; k++)
       status = record_input(packing, style->exemplars[k], error);
-    if (!status && strcmp(style->guide, "sphere") != 0) status = record_input(packing, style->guide, error);
-    if (!status) status = record_input(packing, style->lut_file, error);
-    if (!status) status = record_inputs(packing, style->lut_frames, error);
+    if (!status && !is_sphere(style)) status = record_input(packing, style->guide, error);
+    if (!status) status = record_input(packing, style->lut.file, error);
+    if (!status) status = record_inputs(packing, style->lut.frames, error);
   }
   return status;
 }
@@ -71,17 +71,17 @@ json_t *describe_lookup(const Table *table) {
 
 static json_t *describe_budget(const StyManifestStyle *style) {
   json_t *out = json_object();
-  if (style->most_mean > 0) json_object_set_new(out, "mean", json_real(style->most_mean));
-  if (style->most_p99 > 0) json_object_set_new(out, "p99", json_real(style->most_p99));
-  if (style->most_error > 0) json_object_set_new(out, "max", json_real(style->most_error));
+  if (style->lut.most_mean > 0) json_object_set_new(out, "mean", json_real(style->lut.most_mean));
+  if (style->lut.most_p99 > 0) json_object_set_new(out, "p99", json_real(style->lut.most_p99));
+  if (style->lut.most_error > 0) json_object_set_new(out, "max", json_real(style->lut.most_error));
   return out;
 }
 
 json_t *describe_lut(const Packing *packing, int number, const Table *table) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   json_t *lut = json_pack("{s:i, s:s, s:s}", "size", packing->lut_size, "sampling", table->unorm8 ? "unorm8" : "centre",
-                          style->lut_file ? "file" : "engine", style->lut_file ? style->lut_file : style->lut_engine);
-  if (!style->lut_file) json_object_set_new(lut, "resolve", json_string(style->lut_resolve));
+                          style->lut.file ? "file" : "engine", style->lut.file ? style->lut.file : style->lut.engine);
+  if (!style->lut.file) json_object_set_new(lut, "resolve", json_string(style->lut.resolve));
   if (has_budget(style)) json_object_set_new(lut, "budget", describe_budget(style));
   if (table->is_judged) json_object_set_new(lut, "error", describe_lookup(table));
   return lut;

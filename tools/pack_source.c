@@ -157,7 +157,7 @@ static StyStatus read_exemplar(const Packing *packing, int style, int lighting, 
 
 /* ---- guides ---- */
 
-static bool is_sphere(const StyManifestStyle *style) { return strcmp(style->guide, "sphere") == 0; }
+bool is_sphere(const StyManifestStyle *style) { return strcmp(style->guide, "sphere") == 0; }
 
 /* A name as the manifest would have it. */
 static const char *strip_folder(const Packing *packing, const char *path) {

@@ -23,20 +23,20 @@ static StyStatus collect(const StyManifestStyle *style, const StyImage *guide, S
 
 /* Which size a style insists on: that of "size", or of its table's file; 0: none. */
 static StyStatus get_fixed_size(const Packing *packing, const StyManifestStyle *style, int *out, StyError *error) {
-  *out = style->lut_size;
-  if (!style->lut_file) return STY_OK;
+  *out = style->lut.size;
+  if (!style->lut.file) return STY_OK;
   Size size = {0};
-  const StyStatus status = measure_picture(packing, style->lut_file, &size, error);
+  const StyStatus status = measure_picture(packing, style->lut.file, &size, error);
   if (!status) *out = size.width;
   return status;
 }
 
 bool has_budget(const StyManifestStyle *style) {
-  return style->most_mean > 0 || style->most_p99 > 0 || style->most_error > 0;
+  return style->lut.most_mean > 0 || style->lut.most_p99 > 0 || style->lut.most_error > 0;
 }
 
 static StyBudget get_budget(const StyManifestStyle *style) {
-  return (StyBudget){style->most_mean, style->most_p99, style->most_error};
+  return (StyBudget){style->lut.most_mean, style->lut.most_p99, style->lut.most_error};
 }
 
 /* The figure that is over its budget. */
@@ -45,9 +45,9 @@ static StyStatus fail_budget(const StyManifestStyle *style, const StyFigures *fo
   const struct {
     const char *name;
     double found, most;
-  } figures[] = {{"p99", found->p99, style->most_p99},
-                 {"mean", found->mean, style->most_mean},
-                 {"max", found->max, style->most_error}};
+  } figures[] = {{"p99", found->p99, style->lut.most_p99},
+                 {"mean", found->mean, style->lut.most_mean},
+                 {"max", found->max, style->lut.most_error}};
   int over = 0;
   while (over < 2 && !(figures[over].most > 0 && figures[over].found > figures[over].most)) over++;
   return sty_fail(error, STY_CHECK_FAILED,
@@ -58,7 +58,7 @@ static StyStatus fail_budget(const StyManifestStyle *style, const StyFigures *fo
 StyStatus choose_lut_size(const Packing *packing, int number, const StyImage *guide, int *out, StyError *error) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   const StyBudget budget = get_budget(style);
-  const StyLutSpec spec = {.sampling = (StySampling)get_sampling(style->lut_sampling)};
+  const StyLutSpec spec = {.sampling = (StySampling)get_sampling(style->lut.sampling)};
   const StyAuditOptions options = {.weights = STY_WEIGHT_DISC};
   const StyRun run = {.threads = packing->arguments->options.threads};
   StyCandidate candidates[STY_MOST_CANDIDATES];
@@ -143,9 +143,9 @@ StyStatus settle_lut_size(Packing *packing, StyError *error) {
 static StyStatus read_table(const Packing *packing, int number, StyLut **out, StyError *error) {
   const StyManifestStyle *style = &packing->manifest.styles[number];
   const Size size = packing->sizes[number];
-  const StyLutHints hints = {size.width, size.height, get_sampling(style->lut_sampling), STY_FOREIGN_NONE};
-  const bool has_file = strcmp(style->guide, "sphere") != 0;
-  char *path = find_file(packing, style->lut_file, error);
+  const StyLutHints hints = {size.width, size.height, get_sampling(style->lut.sampling), STY_FOREIGN_NONE};
+  const bool has_file = !is_sphere(style);
+  char *path = find_file(packing, style->lut.file, error);
   char *guide = has_file ? find_file(packing, style->guide, error) : NULL;
   bool of_another;
   StyStatus status = path && (guide || !has_file)
@@ -156,7 +156,7 @@ static StyStatus read_table(const Packing *packing, int number, StyLut **out, St
   if (!status && ((*out)->spec.map != STY_MAP_XY || (*out)->spec.sampling == STY_SAMPLE_CORNER)) {
     status =
         sty_fail(error, STY_ERROR_INPUT, "%s: found a LUT of map %s and sampling %s, expected xy and centre or unorm8",
-                 style->lut_file, sty_map_names[(*out)->spec.map], sty_sampling_names[(*out)->spec.sampling]);
+                 style->lut.file, sty_map_names[(*out)->spec.map], sty_sampling_names[(*out)->spec.sampling]);
     sty_destroy_lut(out);
   }
   return status;
@@ -166,8 +166,8 @@ static StyStatus read_table(const Packing *packing, int number, StyLut **out, St
 static StyStatus open_frames(const Packing *packing, const StyManifestStyle *style, StyImage *frames[MOST_FRAMES],
                              StyError *error) {
   StyStatus status = STY_OK;
-  for (size_t i = 0; !status && i < sty_count_manifest_names(style->lut_frames); i++) {
-    char *path = find_file(packing, sty_get_manifest_name(style->lut_frames, i), error);
+  for (size_t i = 0; !status && i < sty_count_manifest_names(style->lut.frames); i++) {
+    char *path = find_file(packing, sty_get_manifest_name(style->lut.frames, i), error);
     status = path ? read_guide(&packing->arguments->options, path, &frames[i], error) : STY_ERROR_LIBRARY;
     free(path);
   }
@@ -176,13 +176,13 @@ static StyStatus open_frames(const Packing *packing, const StyManifestStyle *sty
 
 static StyStatus resolve(const Packing *packing, const StyManifestStyle *style, const StyImage *guide,
                          const StySites *sites, StyLut *lut, StyError *error) {
-  if (strcmp(style->lut_resolve, "nearest") == 0) return STY_OK;
+  if (strcmp(style->lut.resolve, "nearest") == 0) return STY_OK;
   StyImage *frames[MOST_FRAMES] = {NULL};
-  const StyResolveOptions options = {.slack = style->lut_slack * STY_LEVEL,
-                                     .coherent = strcmp(style->lut_resolve, "frames") != 0,
+  const StyResolveOptions options = {.slack = style->lut.slack * STY_LEVEL,
+                                     .coherent = strcmp(style->lut.resolve, "frames") != 0,
                                      .guide = guide,
-                                     .frames = style->lut_frames ? (const StyImage *const *)frames : NULL,
-                                     .frame_count = (int)sty_count_manifest_names(style->lut_frames)};
+                                     .frames = style->lut.frames ? (const StyImage *const *)frames : NULL,
+                                     .frame_count = (int)sty_count_manifest_names(style->lut.frames)};
   const StyRun run = {.threads = packing->arguments->options.threads};
   StyStatus status = open_frames(packing, style, frames, error);
   if (!status) status = sty_resolve_lut(lut, sites, &options, &run, error);
@@ -194,12 +194,12 @@ static StyStatus build_table(const Packing *packing, const StyManifestStyle *sty
                              StyError *error) {
   const StyEngine *engine = NULL;
   StySites *sites = NULL;
-  StyStatus status = sty_find_engine("engine", style->lut_engine, &engine, error);
+  StyStatus status = sty_find_engine("engine", style->lut.engine, &engine, error);
   if (!status) status = collect(style, guide, &sites, error);
   const StyRun run = {.threads = packing->arguments->options.threads};
   const StyLutSpec spec = {.width = packing->lut_size,
                            .height = packing->lut_size,
-                           .sampling = (StySampling)get_sampling(style->lut_sampling)};
+                           .sampling = (StySampling)get_sampling(style->lut.sampling)};
   if (!status) status = sty_build_lut(sites, engine, NULL, &spec, &run, out, error);
   if (!status) status = resolve(packing, style, guide, sites, *out, error);
   if (status) sty_destroy_lut(out);
@@ -243,7 +243,7 @@ StyStatus make_table(const Packing *packing, int number, const StyImage *guide, 
   Table table = {0};
   StyLut *lut = NULL;
   StyStatus status =
-      style->lut_file ? read_table(packing, number, &lut, error) : build_table(packing, style, guide, &lut, error);
+      style->lut.file ? read_table(packing, number, &lut, error) : build_table(packing, style, guide, &lut, error);
   if (status) return status;
   const size_t size = sty_count_texels(&lut->spec) * 2 * sizeof *table.texels;
   table.texels = malloc(size);

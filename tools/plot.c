@@ -2,13 +2,14 @@
 
 #include <errno.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <zlib.h>
+
+#include "spawn.h"
 
 /* What is off an axis stands so far inside it. */
 static const double edge = 1.1;
@@ -42,27 +43,9 @@ enum { ENCODINGS = sizeof encodings / sizeof *encodings };
  * Its exit status, or -1 where it ended otherwise. */
 static StyStatus run_gnuplot(const char *const *arguments, FILE *in, FILE *out, FILE *said, int *ended,
                              StyError *error) {
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  sigset_t none, all; /* blocked; as they are by default */
   pid_t child;
   int state;
-  sigemptyset(&none);
-  sigfillset(&all);
-  if (posix_spawn_file_actions_init(&actions) != 0) return sty_fail_memory(error, "gnuplot", 0);
-  if (posix_spawnattr_init(&attributes) != 0) {
-    posix_spawn_file_actions_destroy(&actions);
-    return sty_fail_memory(error, "gnuplot", 0);
-  }
-  int cause = posix_spawn_file_actions_adddup2(&actions, fileno(in), STDIN_FILENO);
-  if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, fileno(out), STDOUT_FILENO);
-  if (!cause) cause = posix_spawn_file_actions_adddup2(&actions, fileno(said), STDERR_FILENO);
-  if (!cause) cause = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  if (!cause) cause = posix_spawnattr_setsigdefault(&attributes, &all);
-  if (!cause) cause = posix_spawnattr_setsigmask(&attributes, &none);
-  if (!cause) cause = posix_spawnp(&child, "gnuplot", &actions, &attributes, (char *const *)arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
+  const int cause = spawn_program(arguments, fileno(in), fileno(out), fileno(said), &child);
   if (cause)
     return sty_fail(
         error, STY_ERROR_UNAVAILABLE,

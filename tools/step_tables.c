@@ -85,9 +85,9 @@ static StyStatus name_shared(const Step *step, Shared *out, StyError *error) {
   StyStatus status = mask ? sty_hash_file(mask, mask_hash, error) : STY_ERROR_INPUT;
   if (!status) status = sty_get_string(&step->recipe, NULL, root, "shared", 0, &folder, error);
   out->table[0] = out->facts[0] = 0;
-  if (status || !folder || style->lut_file || style->lut_frames) return status;
-  json_t *asked = json_pack("{s:i, s:O*, s:s, s:o, s:s}", "size", step->packing.lut_size, "lut", style->lut, "guide",
-                            guide, "file", identify_file(guide), "mask", mask_hash);
+  if (status || !folder || style->lut.file || style->lut.frames) return status;
+  json_t *asked = json_pack("{s:i, s:O*, s:s, s:o, s:s}", "size", step->packing.lut_size, "lut", style->lut.written,
+                            "guide", guide, "file", identify_file(guide), "mask", mask_hash);
   char *text = asked ? json_dumps(asked, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
   json_decref(asked);
   if (!text) return sty_fail_memory(error, step->recipe.name, 0);

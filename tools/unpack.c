@@ -85,13 +85,7 @@ static StyStatus commit_folder(Unpacking *unpacking, StyError *error) {
 
 /* Nothing but our own files is in it. */
 static void discard_folder(Unpacking *unpacking) {
-  DIR *folder = unpacking->temporary ? opendir(unpacking->temporary) : NULL;
-  for (const struct dirent *entry; folder && (entry = readdir(folder));) unlinkat(dirfd(folder), entry->d_name, 0);
-  if (folder) closedir(folder);
-  if (unpacking->temporary) {
-    rmdir(unpacking->temporary);
-    sty_forget_temporary(unpacking->temporary);
-  }
+  if (unpacking->temporary) sty_remove_temporary_folder(unpacking->temporary);
   free(unpacking->temporary);
   unpacking->temporary = NULL;
 }

@@ -42,8 +42,9 @@ StyStatus sty_make_temporary_folder(const char *path, char **out, StyError *erro
  * use, for what was there, until it is forgotten. */
 int sty_rename_temporary(const char *temporary, const char *path, unsigned flags);
 
-/* After a temporary folder was removed. */
+/* After a temporary was removed; and for a folder of files, both. */
 void sty_forget_temporary(const char *temporary);
+void sty_remove_temporary_folder(const char *temporary);
 
 /* From now on SIGINT, SIGTERM and SIGHUP remove what is in the making before they end the program; for the beginning of
  * main, before there are other threads. Children inherit that these signals are blocked: they unblock them. SIGPIPE and

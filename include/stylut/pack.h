@@ -55,6 +55,19 @@ StyStatus sty_set_parameter(const char *what, const char *name, const char *text
 
 /* ---- manifest: stylut-bundle/1, what people write ---------------------------- */
 
+/* A style's table: how to build it, or which file holds it. */
+typedef struct StyManifestLut {
+  const json_t *written; /* as it stands in the style or in the defaults, or NULL: what is below says the same */
+  const char *file;      /* a table brought along, or NULL: build one */
+  const char *engine;    /* name, "auto" unless given */
+  int size;              /* texels a side; 0: as the bundle's others, or as the budget asks */
+  double most_mean, most_p99, most_error; /* budget: lookup errors in degrees; 0: any */
+  const char *resolve;                    /* "nearest" (unless given), "coherent", "frames" or "both" */
+  double slack;                           /* 8-bit levels, for all but "nearest" */
+  const json_t *frames;                   /* guide files, for "frames" and "both"; see sty_get_manifest_name */
+  const char *sampling;                   /* "unorm8" (unless given) or "centre"; NULL for a file that says it itself */
+} StyManifestLut;
+
 /* One style, or one of those that a glob stands for, defaults included. Strings are owned by the manifest; file names
  * are as written, to be joined with the manifest's folder. */
 typedef struct StyManifestStyle {
@@ -63,18 +76,9 @@ typedef struct StyManifestStyle {
   const char *exemplars[STY_MAX_LIGHTINGS]; /* picture files, parameters.layer_count of them */
   const char *guide;                        /* "sphere", a guide file or a scene */
   double base;                              /* Gaussian that its low frequencies are taken with, pixels; 0: none */
-  const json_t *lut;                        /* as it was written, there or in the defaults, or NULL: what is below says
-                                               the same */
-  const char *lut_file;                     /* a table brought along, or NULL: build one */
-  const char *lut_engine;                   /* name, "auto" unless given */
-  int lut_size;                             /* texels a side; 0: as the bundle's others, or as the budget asks */
-  double most_mean, most_p99, most_error;   /* budget: lookup errors in degrees; 0: any */
-  const char *lut_resolve;                  /* "nearest" (unless given), "coherent", "frames" or "both" */
-  double lut_slack;                         /* 8-bit levels, for all but "nearest" */
-  const json_t *lut_frames;                 /* guide files, for "frames" and "both"; see sty_get_manifest_name */
-  const json_t *check;      /* what its audit is held to: an object of numbers, or NULL; names are left to the packer */
-  const char *lut_sampling; /* "unorm8" (unless given) or "centre"; NULL for a file that says it itself */
-  StyStyle parameters;      /* first layer and the flags of textures are left to the packer */
+  StyManifestLut lut;
+  const json_t *check; /* what its audit is held to: an object of numbers, or NULL; names are left to the packer */
+  StyStyle parameters; /* first layer and the flags of textures are left to the packer */
 } StyManifestStyle;
 
 typedef struct StyManifest {

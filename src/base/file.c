@@ -77,6 +77,11 @@ void sty_forget_temporary(const char *temporary) {
   sty_unlock_leftovers();
 }
 
+void sty_remove_temporary_folder(const char *temporary) {
+  sty_remove_folder(temporary);
+  sty_forget_temporary(temporary);
+}
+
 StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error) {
   struct stat info;
   if (!*path) return sty_fail(error, STY_ERROR_USAGE, "output: found an empty name, expected a file name");

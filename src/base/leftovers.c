@@ -41,14 +41,14 @@ void sty_forget_leftover(const char *path) {
   }
 }
 
-/* ---- the end ---- */
-
-static void remove_folder(const char *path) {
+void sty_remove_folder(const char *path) {
   DIR *folder = opendir(path);
   for (const struct dirent *entry; folder && (entry = readdir(folder));) unlinkat(dirfd(folder), entry->d_name, 0);
   if (folder) closedir(folder);
   rmdir(path);
 }
+
+/* ---- the end ---- */
 
 /* A thread of its own may take locks and read folders, as no handler may. */
 static void *await_end(void *signals) {
@@ -57,7 +57,7 @@ static void *await_end(void *signals) {
   if (sigwait(&awaited, &number) != 0) return NULL;
   sty_lock_leftovers();
   for (const Leftover *leftover = leftovers; leftover; leftover = leftover->next)
-    if (unlink(leftover->path) != 0) remove_folder(leftover->path);
+    if (unlink(leftover->path) != 0) sty_remove_folder(leftover->path);
   signal(number, SIG_DFL);
   pthread_sigmask(SIG_UNBLOCK, &awaited, NULL);
   raise(number);

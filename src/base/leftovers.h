@@ -7,6 +7,9 @@
 void sty_lock_leftovers(void);
 void sty_unlock_leftovers(void);
 
+/* Removes a folder of files. */
+void sty_remove_folder(const char *path);
+
 /* Between the two: a file or a folder (of files alone) that is in the making from now on, or no longer. Without memory
  * it isn't noted. */
 void sty_note_leftover(const char *path);

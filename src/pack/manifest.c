@@ -103,9 +103,9 @@ static StyStatus read_budget(const StyDocument *document, const StyPath *lut_pat
   const StyPath path = {lut_path, "budget", 0};
   if (!budget) return STY_OK;
   StyStatus status = sty_check_keys(document, &path, budget, known, error);
-  if (!status) status = sty_get_number(document, &path, budget, "mean", 1e-6, 180, &out->most_mean, error);
-  if (!status) status = sty_get_number(document, &path, budget, "p99", 1e-6, 180, &out->most_p99, error);
-  if (!status) status = sty_get_number(document, &path, budget, "max", 1e-6, 180, &out->most_error, error);
+  if (!status) status = sty_get_number(document, &path, budget, "mean", 1e-6, 180, &out->lut.most_mean, error);
+  if (!status) status = sty_get_number(document, &path, budget, "p99", 1e-6, 180, &out->lut.most_p99, error);
+  if (!status) status = sty_get_number(document, &path, budget, "max", 1e-6, 180, &out->lut.most_error, error);
   if (!status && json_object_size(budget) == 0)
     status = sty_fail_value(document, &path, budget, "one of \"mean\", \"p99\", \"max\" in degrees", error);
   if (!status && json_object_get(lut, "size"))
@@ -118,10 +118,10 @@ static StyStatus read_resolve(const StyDocument *document, const StyPath *path, 
   static const char *const words[] = {"nearest", "coherent", "frames", "both", NULL};
   int word = 0;
   StyStatus status = sty_get_choice(document, path, lut, "resolve", words, &word, error);
-  out->lut_resolve = words[word];
-  if (!status) status = sty_get_number(document, path, lut, "slack", 0, largest_slack, &out->lut_slack, error);
+  out->lut.resolve = words[word];
+  if (!status) status = sty_get_number(document, path, lut, "slack", 0, largest_slack, &out->lut.slack, error);
   if (!status)
-    status = read_names(document, path, lut, "frames", "a guide file, or a list of 1 to 256", &out->lut_frames, error);
+    status = read_names(document, path, lut, "frames", "a guide file, or a list of 1 to 256", &out->lut.frames, error);
   const json_t *slack = json_object_get(lut, "slack"), *resolve = json_object_get(lut, "resolve");
   if (!status && slack && word == 0)
     status = sty_fail_value(document, &(StyPath){path, "slack", 0}, slack, "it with another \"resolve\" than nearest",
@@ -129,10 +129,10 @@ static StyStatus read_resolve(const StyDocument *document, const StyPath *path, 
   if (!status && word != 0 && json_object_get(lut, "budget"))
     status =
         sty_fail_value(document, &(StyPath){path, "resolve", 0}, resolve, "\"nearest\", which budgets are for", error);
-  if (!status && word >= 2 && !out->lut_frames)
+  if (!status && word >= 2 && !out->lut.frames)
     status = sty_fail_value(document, &(StyPath){path, "resolve", 0}, resolve, "it with \"frames\" to serve", error);
-  if (!status && word < 2 && out->lut_frames)
-    status = sty_fail_value(document, &(StyPath){path, "frames", 0}, out->lut_frames,
+  if (!status && word < 2 && out->lut.frames)
+    status = sty_fail_value(document, &(StyPath){path, "frames", 0}, out->lut.frames,
                             "them with \"resolve\" \"frames\" or \"both\"", error);
   return status;
 }
@@ -147,23 +147,23 @@ static StyStatus read_lut(const StyDocument *document, const StyPath *style_path
   static const char *const samplings[] = {"unorm8", "centre", NULL};
   const StyPath path = {style_path, "lut", 0};
   const json_t *lut = json_object_get(style, "lut");
-  out->lut = lut;
+  out->lut.written = lut;
   if (!lut) return STY_OK;
   if (json_is_string(lut)) {
-    out->lut_sampling = NULL;
-    return sty_get_string(document, style_path, style, "lut", 0, &out->lut_file, error);
+    out->lut.sampling = NULL;
+    return sty_get_string(document, style_path, style, "lut", 0, &out->lut.file, error);
   }
   if (!json_is_object(lut)) return sty_fail_value(document, &path, lut, "a file name or an object", error);
   const bool is_file = json_object_get(lut, "file");
   int sampling = 0;
   StyStatus status = sty_check_keys(document, &path, lut, is_file ? brought : built, error);
-  if (!status) status = sty_get_string(document, &path, lut, "file", 0, &out->lut_file, error);
-  if (!status) status = sty_get_integer(document, &path, lut, "size", 2, STY_MAX_LUT_SIDE, &out->lut_size, error);
-  if (!status) status = sty_get_string(document, &path, lut, "engine", 0, &out->lut_engine, error);
+  if (!status) status = sty_get_string(document, &path, lut, "file", 0, &out->lut.file, error);
+  if (!status) status = sty_get_integer(document, &path, lut, "size", 2, STY_MAX_LUT_SIDE, &out->lut.size, error);
+  if (!status) status = sty_get_string(document, &path, lut, "engine", 0, &out->lut.engine, error);
   if (!status) status = sty_get_choice(document, &path, lut, "sampling", samplings, &sampling, error);
   if (!status) status = read_budget(document, &path, lut, out, error);
   if (!status) status = read_resolve(document, &path, lut, out, error);
-  out->lut_sampling = is_file && !json_object_get(lut, "sampling") ? NULL : samplings[sampling];
+  out->lut.sampling = is_file && !json_object_get(lut, "sampling") ? NULL : samplings[sampling];
   return status;
 }
 
@@ -181,10 +181,7 @@ static StyStatus read_base(const StyDocument *document, const StyPath *path, con
 /* What a style is like where neither it nor the defaults say anything. */
 static const StyManifestStyle plain_style = {
     .guide = "sphere",
-    .lut_engine = "auto",
-    .lut_resolve = "nearest",
-    .lut_slack = default_slack,
-    .lut_sampling = "unorm8",
+    .lut = {.engine = "auto", .resolve = "nearest", .slack = default_slack, .sampling = "unorm8"},
     .parameters = {.threshold = 24, .top_level = 6, .radius = 1, .layer_count = 1, .jitter_amount = 1, .scale = 1},
 };
 
@@ -197,22 +194,10 @@ static StyStatus read_check(const StyDocument *document, const StyPath *path, co
   return STY_OK;
 }
 
-static void forget_lut(StyManifestStyle *style) {
-  StyManifestStyle fresh = plain_style;
-  fresh.entry = style->entry;
-  fresh.name = style->name;
-  memcpy(fresh.exemplars, style->exemplars, sizeof fresh.exemplars);
-  fresh.guide = style->guide;
-  fresh.base = style->base;
-  fresh.parameters = style->parameters;
-  fresh.check = style->check;
-  *style = fresh;
-}
-
 /* What may be said of one style or, as a default, of all. A style's "lut" takes the place of the whole default. */
 static StyStatus read_common(const StyDocument *document, const StyPath *path, const json_t *style,
                              StyManifestStyle *out, StyError *error) {
-  if (json_object_get(style, "lut")) forget_lut(out);
+  if (json_object_get(style, "lut")) out->lut = plain_style.lut;
   StyStatus status = sty_get_string(document, path, style, "guide", 0, &out->guide, error);
   if (!status) status = read_base(document, path, style, out, error);
   if (!status && json_object_get(style, "lut")) status = read_lut(document, path, style, out, error);
@@ -254,10 +239,10 @@ static const char *fill_in_name(StyManifest *manifest, const char *text, const c
 }
 
 static StyStatus fill_in_names(StyManifest *manifest, StyManifestStyle *style, StyError *error) {
-  const bool has_table = style->lut_file;
+  const bool has_table = style->lut.file;
   style->guide = fill_in_name(manifest, style->guide, style->name);
-  style->lut_file = fill_in_name(manifest, style->lut_file, style->name);
-  if (style->guide && (style->lut_file || !has_table)) return STY_OK;
+  style->lut.file = fill_in_name(manifest, style->lut.file, style->name);
+  if (style->guide && (style->lut.file || !has_table)) return STY_OK;
   return sty_fail_memory(error, manifest->document.name, 0);
 }
 

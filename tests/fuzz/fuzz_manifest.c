@@ -3,13 +3,13 @@
 #include "stylut/pack.h"
 
 static void check_style(const StyManifestStyle *style) {
-  require(*style->name && *style->guide && *style->lut_engine && *style->lut_resolve);
+  require(*style->name && *style->guide && *style->lut.engine && *style->lut.resolve);
   require(style->parameters.layer_count >= 1 && style->parameters.layer_count <= STY_MAX_LIGHTINGS);
   for (int i = 0; i < style->parameters.layer_count; i++) require(*style->exemplars[i]);
   require(style->base > 0 || !(style->parameters.flags & STY_FLAG_BASE));
-  require(!style->lut_file || *style->lut_file);
-  require(style->lut_sampling || style->lut_file);
-  require(style->lut_size == 0 || (style->lut_size >= 2 && style->lut_size <= STY_MAX_LUT_SIDE));
+  require(!style->lut.file || *style->lut.file);
+  require(style->lut.sampling || style->lut.file);
+  require(style->lut.size == 0 || (style->lut.size >= 2 && style->lut.size <= STY_MAX_LUT_SIDE));
   for (const StyParameter *p = sty_parameters; p->name; p++) {
     const double value = sty_get_parameter(p, &style->parameters);
     require(value >= p->minimum && value <= p->maximum);

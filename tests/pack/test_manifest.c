@@ -24,10 +24,10 @@ static void test_defaults(void **state) {
   assert_string_equal(style->name, "a");
   assert_string_equal(style->exemplars[0], "a.png");
   assert_string_equal(style->guide, "sphere");
-  assert_null(style->lut_file);
-  assert_string_equal(style->lut_engine, "auto");
-  assert_int_equal(style->lut_size, 0);
-  assert_string_equal(style->lut_sampling, "unorm8");
+  assert_null(style->lut.file);
+  assert_string_equal(style->lut.engine, "auto");
+  assert_int_equal(style->lut.size, 0);
+  assert_string_equal(style->lut.sampling, "unorm8");
   assert_int_equal(style->parameters.threshold, 24);
   assert_in_range(style->parameters.top_level, 0, STY_MAX_LEVEL);
   assert_in_range(style->parameters.radius, 0, STY_MAX_RADIUS);
@@ -54,18 +54,18 @@ static void test_every_key(void **state) {
   assert_string_equal(first->name, "first");
   assert_string_equal(first->exemplars[0], "x/a.png");
   assert_string_equal(first->guide, "g.exr");
-  assert_int_equal(first->lut_size, 64);
-  assert_string_equal(first->lut_engine, "brute");
-  assert_string_equal(first->lut_sampling, "centre");
-  assert_null(first->lut_file);
+  assert_int_equal(first->lut.size, 64);
+  assert_string_equal(first->lut.engine, "brute");
+  assert_string_equal(first->lut.sampling, "centre");
+  assert_null(first->lut.file);
   assert_int_equal(first->parameters.threshold, 100);
   assert_int_equal(first->parameters.top_level, 5);
   assert_int_equal(first->parameters.radius, 3);
   assert_true(first->parameters.depth_tolerance == 0.25f);
-  assert_string_equal(second->lut_file, "table.png");
-  assert_null(second->lut_sampling);
-  assert_string_equal(third->lut_file, "t.exr");
-  assert_string_equal(third->lut_sampling, "centre");
+  assert_string_equal(second->lut.file, "table.png");
+  assert_null(second->lut.sampling);
+  assert_string_equal(third->lut.file, "t.exr");
+  assert_string_equal(third->lut.sampling, "centre");
   sty_close_manifest(&manifest);
 }
 
@@ -215,7 +215,7 @@ static void test_bases_and_budgets(void **state) {
   const StyManifestStyle *style = manifest.styles;
   assert_int_equal(style->parameters.flags, STY_FLAG_BASE | STY_FLAG_OBJECTS);
   assert_int_equal(sty_count_layers(&style->parameters), 2);
-  assert_true(style->base == 8 && style->most_p99 == 1 && style->most_mean == 0 && style->lut_size == 0);
+  assert_true(style->base == 8 && style->lut.most_p99 == 1 && style->lut.most_mean == 0 && style->lut.size == 0);
   assert_true(style->parameters.scale == 0.5f);
   assert_int_equal(style->parameters.scatter, 3);
   sty_close_manifest(&manifest);
@@ -340,20 +340,21 @@ static void test_shared_defaults(void **state) {
   assert_string_equal(a->guide, "a/g.exr");
   assert_string_equal(b->guide, "b.exr");
   assert_string_equal(c->guide, "c/g.exr");
-  assert_int_equal(a->lut_size, 64);
-  assert_int_equal(b->lut_size, 0); /* its own takes the place of the whole */
-  assert_string_equal(a->lut_engine, "auto");
-  assert_string_equal(b->lut_engine, "brute");
+  assert_int_equal(a->lut.size, 64);
+  assert_int_equal(b->lut.size, 0); /* its own takes the place of the whole */
+  assert_string_equal(a->lut.engine, "auto");
+  assert_string_equal(b->lut.engine, "brute");
   assert_int_equal(b->parameters.threshold, 30);
   assert_int_equal(b->parameters.radius, 2);
   assert_int_equal(c->parameters.radius, 5);
   assert_true(c->parameters.luma_weight == 0);
   assert_true(json_number_value(json_object_get(b->check, "max-p99")) == 2);
   StyError error;
-  expect_message(sty_fail_manifest_value(&manifest, a, "lut", "size", json_object_get(a->lut, "size"), "more", &error),
-                 STY_ERROR_INPUT, &error, PARTS(":6:", "defaults.lut.size: found 64, expected more"));
   expect_message(
-      sty_fail_manifest_value(&manifest, b, "lut", "engine", json_object_get(b->lut, "engine"), "less", &error),
+      sty_fail_manifest_value(&manifest, a, "lut", "size", json_object_get(a->lut.written, "size"), "more", &error),
+      STY_ERROR_INPUT, &error, PARTS(":6:", "defaults.lut.size: found 64, expected more"));
+  expect_message(
+      sty_fail_manifest_value(&manifest, b, "lut", "engine", json_object_get(b->lut.written, "engine"), "less", &error),
       STY_ERROR_INPUT, &error, PARTS(":3:", "styles[1].lut.engine: found"));
   sty_close_manifest(&manifest);
 }
@@ -378,7 +379,7 @@ static void test_globs(void **state) {
     assert_int_equal(manifest.styles[i].entry, i > 0);
     assert_int_equal(manifest.styles[i].parameters.radius, i > 0 ? 3 : 1);
   }
-  assert_string_equal(manifest.styles[2].lut_file, "a.b.exr");
+  assert_string_equal(manifest.styles[2].lut.file, "a.b.exr");
   sty_close_manifest(&manifest);
   expect_fault(scratch, HEAD "[{\"glob\": @\"*.tif\"}]}", "glob");
   expect_fault(scratch, HEAD "[{\"glob\": @\"\"}]}", "glob");
