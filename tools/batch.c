@@ -2,7 +2,6 @@
 #include "batch.h"
 
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "commands.h"

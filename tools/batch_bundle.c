@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "batch_graph.h"
-#include "step.h"
 #include "stylut/scene_file.h"
 
 /* ---- a bundle ---- */

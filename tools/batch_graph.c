@@ -13,6 +13,17 @@ StyStatus put_text(const Plan *plan, const char *name, const char *text, StyErro
   return sty_fail(error, STY_ERROR_INPUT, "%s: found a name that isn't UTF-8, expected one that is", name);
 }
 
+StyStatus put_stamp(Plan *plan, const char *path, char name[STAMP_SIZE], StyError *error) {
+  char hash[STY_HASH_SIZE];
+  name_stamp(STAMPS, path, name);
+  StyStatus status = plan->inputs.records.hash(&plan->inputs.records, path, hash, error);
+  char *text = status ? NULL : format_stamp(path, hash);
+  if (!status && !text) status = sty_fail_memory(error, path, 0);
+  if (!status) status = put_text(plan, name, text, error);
+  free(text);
+  return status;
+}
+
 /* Spends the recipe. */
 static StyStatus put_recipe(const Plan *plan, const char *name, json_t *recipe, StyError *error) {
   char *text = recipe ? json_dumps(recipe, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
@@ -64,14 +75,12 @@ static StyStatus add_step(Plan *plan, int bundle, const char *what, StyError *er
 }
 
 StyStatus add_failure(Plan *plan, int bundle, StyStatus code, StyError *error) {
-  char said[sizeof error->text + 32];
-  snprintf(said, sizeof said, "stylut: error: %s\n", error->text);
   const StyStatus status = add_step(plan, bundle, "plan", error);
   if (status) return status;
   PlannedStep *step = &plan->steps[plan->step_count - 1];
   step->state = STEP_FAILED;
   step->code = code;
-  step->said = strdup(said);
+  if (asprintf(&step->said, "stylut: error: %s\n", error->text) < 0) step->said = NULL;
   error->status = STY_OK;
   return STY_OK;
 }
@@ -84,7 +93,7 @@ StyStatus put_edge(Plan *plan, int bundle, const char *what, Edge *edge, StyErro
     status = put_recipe(plan, edge->recipe_name, edge->recipe, error);
   fprintf(plan->ninja, "build");
   put_names(plan, edge->outputs);
-  fprintf(plan->ninja, ": %s ", edge->depfile ? "step_with_depfile" : "step");
+  fprintf(plan->ninja, ": step ");
   put_name(plan, edge->recipe_name);
   fprintf(plan->ninja, " | version");
   put_names(plan, edge->inputs);
@@ -99,44 +108,24 @@ StyStatus put_edge(Plan *plan, int bundle, const char *what, Edge *edge, StyErro
 }
 
 /* ninja keeps exit codes to itself. */
-#define COMMAND                                                                    \
-  "  command = \"$$STYLUT\" step $in -j $threads || { code=$$?; echo \"" STEP_EXIT \
-  "$$code\"; exit $$code; }\n"                                                     \
-  "  description = $what\n"                                                        \
-  "  restat = 1\n"
-
 const char *const ninja_head =
     "# Written by stylut batch.\n"
     "ninja_required_version = 1.8\n"
     "threads = 1\n"
     "pool wide\n"
     "  depth = 1\n"
-    "rule step\n" COMMAND "rule step_with_depfile\n" COMMAND "  depfile = $made_of\n";
+    "rule step\n"
+    "  command = \"$$STYLUT\" step $in -j $threads || { code=$$?; echo \"" STEP_EXIT
+    "$$code\"; exit $$code; }\n"
+    "  description = $what\n"
+    "  restat = 1\n"
+    "  depfile = $made_of\n";
 
 /* ---- on disk ---- */
 
 static StyStatus make_folder(const char *path, StyError *error) {
   if (mkdir(path, 0777) == 0 || errno == EEXIST) return STY_OK;
   return sty_fail(error, STY_ERROR_FILE, "%s: cannot make the folder: %s", path, strerror(errno));
-}
-
-static bool holds_text(const char *path, const char *text) {
-  unsigned char *held = NULL;
-  size_t size = 0;
-  const bool holds = sty_read_file(path, 1 << 26, &held, &size, NULL) == STY_OK && size == strlen(text) &&
-                     memcmp(held, text, size) == 0;
-  free(held);
-  return holds;
-}
-
-/* Files that stay as they are keep their time. */
-static StyStatus write_text(const char *path, const char *text, StyError *error) {
-  StyOutput output;
-  if (holds_text(path, text)) return STY_OK;
-  const StyStatus status = sty_open_output(path, &output, error);
-  if (status) return status;
-  fputs(text, output.stream);
-  return sty_commit_output(&output, error);
 }
 
 /* Makes the folders on the way to a file of the work folder. */

@@ -3,8 +3,7 @@
 #define STYLUT_TOOLS_BATCH_GRAPH_H
 
 #include "batch.h"
-
-enum { NAME_SIZE = 512 }; /* of files of the work folder */
+#include "step.h"
 
 /* A file of the work folder, to be written once the whole plan is made. */
 StyStatus put_text(const Plan *plan, const char *name, const char *text, StyError *error);

@@ -22,35 +22,43 @@ char *format_stamp(const char *path, const char *hash) {
   return text;
 }
 
-enum { MOST_STAMP = 1 << 16 };
+enum { MOST_TEXT = 1 << 26 };
 
 char *read_stamp(const char *stamp) {
   unsigned char *text = NULL;
   size_t size = 0;
-  if (sty_read_file(stamp, MOST_STAMP, &text, &size, NULL) != STY_OK) return NULL;
+  if (sty_read_file(stamp, MOST_TEXT, &text, &size, NULL) != STY_OK) return NULL;
   const char *path = strstr((const char *)text, "  ");
   char *out = path ? strndup(path + 2, strcspn(path + 2, "\n")) : NULL;
   free(text);
   return out;
 }
 
-StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], char hash[STY_HASH_SIZE],
-                      StyError *error) {
+static bool holds_text(const char *path, const char *text) {
   unsigned char *held = NULL;
   size_t size = 0;
+  const bool holds = sty_read_file(path, MOST_TEXT, &held, &size, NULL) == STY_OK && size == strlen(text) &&
+                     memcmp(held, text, size) == 0;
+  free(held);
+  return holds;
+}
+
+StyStatus write_text(const char *path, const char *text, StyError *error) {
   StyOutput output;
+  if (holds_text(path, text)) return STY_OK;
+  const StyStatus status = sty_open_output(path, &output, error);
+  if (status) return status;
+  fputs(text, output.stream);
+  return sty_commit_output(&output, error);
+}
+
+StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], StyError *error) {
+  char hash[STY_HASH_SIZE];
   StyStatus status = sty_hash_file(path, hash, error);
   char *text = status ? NULL : format_stamp(path, hash);
   if (!status && !text) status = sty_fail_memory(error, path, 0);
   name_stamp(folder, path, stamp);
-  const bool is_same = !status && sty_read_file(stamp, MOST_STAMP, &held, &size, NULL) == STY_OK &&
-                       strcmp((const char *)held, text) == 0;
-  if (!status && !is_same) status = sty_open_output(stamp, &output, error);
-  if (!status && !is_same) {
-    fputs(text, output.stream);
-    status = sty_commit_output(&output, error);
-  }
-  free(held);
+  if (!status) status = write_text(stamp, text, error);
   free(text);
   return status;
 }
@@ -70,22 +78,19 @@ static json_t *look_at_file(const char *path) {
                    (json_int_t)info.st_mtim.tv_nsec, (json_int_t)info.st_ctim.tv_sec, (json_int_t)info.st_ctim.tv_nsec);
 }
 
-/* What is known of a file as it is now: an object to add to. The caller owns it; NULL when memory is short. */
+/* What is known of a file as it is now: an object to add to. The caller owns it; NULL when memory is short. What is too
+ * fresh to be kept serves for this run. */
 static json_t *get_known(Inputs *inputs, const char *path) {
-  json_t *look = look_at_file(path), *known = json_object_get(inputs->known, path);
-  if (look && known && json_equal(look, json_object_get(known, "file"))) {
-    json_decref(look);
-    return json_incref(known);
+  json_t *look = look_at_file(path), *list = look ? inputs->known : inputs->fresh, *known = json_object_get(list, path);
+  const bool is_current = known && (!look || json_equal(look, json_object_get(known, "file")));
+  if (!is_current) {
+    known = json_object();
+    if (look) json_object_set(known, "file", look);
+    json_object_set_new(list, path, known);
+    inputs->is_new = true;
   }
-  inputs->is_new = true;
-  known = json_object();
-  if (look) {
-    json_object_set_new(known, "file", look);
-    json_object_set(inputs->known, path, known);
-  } else {
-    json_object_del(inputs->known, path);
-  }
-  return known;
+  json_decref(look);
+  return json_incref(known);
 }
 
 static StyStatus hash_known(Records *records, const char *path, char out[STY_HASH_SIZE], StyError *error) {
@@ -117,7 +122,7 @@ static StyStatus measure_known(Records *records, const char *path, Size *out, St
 
 StyStatus open_inputs(const char *file, Inputs *out, StyError *error) {
   StyDocument document = {NULL, NULL, NULL};
-  *out = (Inputs){.records = {hash_known, measure_known}, .file = strdup(file)};
+  *out = (Inputs){.records = {hash_known, measure_known}, .file = strdup(file), .fresh = json_object()};
   if (!out->file) return sty_fail_memory(error, file, (double)strlen(file));
   if (sty_read_document(file, &document, NULL) == STY_OK) out->known = json_incref(document.root);
   sty_close_document(&document);
@@ -133,6 +138,7 @@ StyStatus save_inputs(Inputs *inputs, StyError *error) {
 
 void close_inputs(Inputs *inputs) {
   json_decref(inputs->known);
+  json_decref(inputs->fresh);
   free(inputs->file);
   *inputs = (Inputs){.file = NULL};
 }

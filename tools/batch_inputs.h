@@ -15,14 +15,17 @@ char *format_stamp(const char *path, const char *hash);
 char *read_stamp(const char *stamp);
 
 /* Hashes a file and brings its stamp in `folder` up to date; its name goes to `stamp`. */
-StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], char hash[STY_HASH_SIZE],
-                      StyError *error);
+StyStatus stamp_input(const char *folder, const char *path, char stamp[STAMP_SIZE], StyError *error);
+
+/* A file that holds this text already stays as it is, and keeps its time. */
+StyStatus write_text(const char *path, const char *text, StyError *error);
 
 /* What is known of files from the last time, so that what hasn't changed since isn't read again. */
 typedef struct Inputs {
   Records records; /* looks here first */
   char *file;      /* where it is kept */
   json_t *known;   /* by path */
+  json_t *fresh;   /* the same, of files that changed a moment ago: not kept */
   bool is_new;     /* something was learned */
 } Inputs;
 

@@ -5,17 +5,6 @@
 
 #include "batch_graph.h"
 
-StyStatus put_stamp(Plan *plan, const char *path, char name[STAMP_SIZE], StyError *error) {
-  char hash[STY_HASH_SIZE];
-  name_stamp(STAMPS, path, name);
-  StyStatus status = plan->inputs.records.hash(&plan->inputs.records, path, hash, error);
-  char *text = status ? NULL : format_stamp(path, hash);
-  if (!status && !text) status = sty_fail_memory(error, path, 0);
-  if (!status) status = put_text(plan, name, text, error);
-  free(text);
-  return status;
-}
-
 /* Bundles are called as their manifests, without the ending. */
 static StyStatus name_bundle(Plan *plan, int number, StyError *error) {
   PlannedBundle *bundle = &plan->bundles[number];

@@ -29,17 +29,16 @@ static int count_styles(const Plan *plan) {
 
 /* ---- text and JSON ---- */
 
-/* What was said, less the program's name: "error: ..." line by line. */
+/* "stylut: error: ..." or "stylut: warning: ..." line by line, with the bundle and the step between. */
 static void print_lines(const PlannedStep *step, const char *bundle) {
   for (const char *line = step->said; line && *line;) {
     const size_t length = strcspn(line, "\n");
-    char text[2048];
+    char kind[16] = "", text[2048];
+    int message = 0;
     snprintf(text, sizeof text, "%.*s", (int)length, line);
-    const char *rest = strncmp(text, "stylut: ", 8) == 0 ? text + 8 : text;
-    const bool is_error = strncmp(rest, "error: ", 7) == 0;
-    const char *message = strchr(rest, ' ') ? strchr(rest, ' ') + 1 : rest;
-    fprintf(stderr, "stylut: %s: %s, %s: %s\n", is_error ? "error" : "warning", clean_text(bundle),
-            clean_text(step->what), clean_text(message));
+    if (sscanf(text, "stylut: %15[a-z]: %n", kind, &message) == 1 && message > 0)
+      fprintf(stderr, "stylut: %s: %s, %s: %s\n", kind, clean_text(bundle), clean_text(step->what),
+              clean_text(text + message));
     line += length + (line[length] == '\n');
   }
 }

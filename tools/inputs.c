@@ -141,3 +141,21 @@ StyStatus read_lut(const Options *options, const char *path, const char *guide, 
   if (status) sty_destroy_lut(out);
   return status;
 }
+
+StyStatus decode_table(const StyTexture *texture, uint32_t layer, StySampling sampling, int source_width,
+                       int source_height, StyLut **out, StyError *error) {
+  const StyLutSpec spec = {.width = (int)texture->width, .height = (int)texture->height, .sampling = sampling};
+  const uint32_t width = (uint32_t)source_width, height = (uint32_t)source_height;
+  const size_t texels = sty_count_texels(&spec);
+  const unsigned char *from = texture->texels + layer * texels * texture->texel_size;
+  StyLut *lut = NULL;
+  const StyStatus status = sty_create_lut(&spec, source_width, source_height, &lut, error);
+  if (status) return status;
+  for (size_t t = 0; t < texels; t++, from += 4) {
+    const uint32_t x = sty_decode_coordinate((uint32_t)(from[0] | from[1] << 8), width, 65535);
+    const uint32_t y = sty_decode_coordinate((uint32_t)(from[2] | from[3] << 8), height, 65535);
+    lut->pixels[t] = y * width + x;
+  }
+  *out = lut;
+  return STY_OK;
+}

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "stylut/guide.h"
 #include "stylut/lut.h"
+#include "stylut/runtime.h"
 
 /* Reads a file and turns it into a guide with A and normal.* (see guide.h). Warns where
  * many normals aren't unit vectors, or most face away from the viewer: what was given
@@ -45,5 +46,9 @@ void destroy_frames(StyImage *frames[MOST_FRAMES]);
  * known. */
 StyStatus read_lut(const Options *options, const char *path, const char *guide, const StyLutHints *hints, StyLut **out,
                    bool *of_another, StyError *error);
+
+/* A bundle's table, which points into a source of this size. */
+StyStatus decode_table(const StyTexture *texture, uint32_t layer, StySampling sampling, int source_width,
+                       int source_height, StyLut **out, StyError *error);
 
 #endif

@@ -372,6 +372,18 @@ StyStatus require_argument(Options *options, const char *argument, const char *e
   return argument ? STY_OK : sty_fail(&options->error, STY_ERROR_USAGE, "found no argument, expected %s", expected);
 }
 
+error_t parse_only_argument(int key, const char *text, struct argp_state *state, const char **slot,
+                            const char *expected) {
+  Options *options = state->input;
+  begin_option(key, text, state);
+  switch (key) {
+    case ARGP_KEY_INIT: return 0;
+    case ARGP_KEY_ARG: return end_option(take_argument(options, slot, text));
+    case ARGP_KEY_END: return end_option(require_argument(options, *slot, expected));
+    default: return ARGP_ERR_UNKNOWN;
+  }
+}
+
 StyStatus require_folder(Options *options, const char *path) {
   StyError *error = &options->error;
   char *copy = strdup(path);

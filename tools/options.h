@@ -103,6 +103,10 @@ StyStatus parse_colour(Options *options, const char *what, const char *text, uin
 /* Puts the command's one argument into *slot; a second one is an error. */
 StyStatus take_argument(Options *options, const char **slot, const char *text);
 
+/* The whole parser of a command that has no options but the groups' and one argument, which must be given. */
+error_t parse_only_argument(int key, const char *text, struct argp_state *state, const char **slot,
+                            const char *expected);
+
 /* Whether an option that begins with `prefix` was given before this word of the command line. */
 bool is_behind_option(const Options *options, const char *prefix, const char *word);
 

@@ -13,15 +13,7 @@ typedef struct Arguments {
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
-  StyStatus status = STY_OK;
-  begin_option(key, text, state);
-  switch (key) {
-    case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->recipe, text); break;
-    case ARGP_KEY_END: status = require_argument(&arguments->options, arguments->recipe, "a step's recipe"); break;
-    default: return ARGP_ERR_UNKNOWN;
-  }
-  return end_option(status);
+  return parse_only_argument(key, text, state, &arguments->recipe, "a step's recipe");
 }
 
 static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {0}};
@@ -80,19 +72,15 @@ static StyStatus read_packing(Step *step, StyError *error) {
 }
 
 static StyStatus read_recipe(Step *step, StyError *error) {
-  static const char *const fits[] = {"none", "resize", "pad", NULL};
   const StyDocument *recipe = &step->recipe;
   const char *schema = NULL;
-  int threads = step->arguments.options.threads;
   StyStatus status = sty_get_string(recipe, NULL, recipe->root, "schema", 1, &schema, error);
   if (!status && strcmp(schema, STEP_SCHEMA) != 0)
     status = sty_fail_value(recipe, &(StyPath){NULL, "schema", 0}, json_object_get(recipe->root, "schema"),
                             "\"" STEP_SCHEMA "\"", error);
   if (!status) status = sty_get_string(recipe, NULL, recipe->root, "step", 1, &step->kind, error);
   if (!status) status = sty_get_string(recipe, NULL, recipe->root, "output", 1, &step->output, error);
-  if (!status) status = sty_get_choice(recipe, NULL, recipe->root, "fit", fits, &step->arguments.fit, error);
-  if (!status) status = sty_get_integer(recipe, NULL, recipe->root, "threads", 1, 1 << 16, &threads, error);
-  step->arguments.options.threads = threads;
+  if (!status) status = sty_get_choice(recipe, NULL, recipe->root, "fit", fit_names, &step->arguments.fit, error);
   return status ? status : read_packing(step, error);
 }
 

@@ -7,6 +7,8 @@
 
 #define STEP_SCHEMA "stylut-step/1"
 
+enum { NAME_SIZE = 512 }; /* of files of the work folder */
+
 typedef struct Step {
   StyDocument recipe;
   const char *kind, *output;
@@ -14,8 +16,7 @@ typedef struct Step {
   Packing packing; /* of the recipe's "manifest": the bundle's, less what the step doesn't need */
 } Step;
 
-/* A step's file: its output, or the one of this name in a list of the recipe's. NULL, with *error, where there is none.
- */
+/* Recipes name files in lists, one a style: file i of the list. NULL, with *error, where there is none. */
 const char *get_step_file(const Step *step, const char *list, size_t i, StyError *error);
 
 /* What a step wrote as name_made(output) takes the output's place, unless that holds the same bytes already: what
@@ -23,14 +24,22 @@ const char *get_step_file(const Step *step, const char *list, size_t i, StyError
 char *name_made(const char *output, StyError *error);
 StyStatus put_made(const char *output, StyError *error);
 
-/* Both, for a JSON value, which is spent. */
+/* Both, for a JSON value, which is spent, and for a texture of so many layers. */
 StyStatus put_value(const char *output, json_t *value, StyError *error);
+StyStatus put_texture(const char *output, uint32_t format, int width, int height, int layers, const void *texels,
+                      StyError *error);
+
+/* A texture in its file, which the caller unmaps after success. */
+StyStatus map_texture(const char *path, uint32_t format, StyMapping *mapping, StyTexture *out, StyError *error);
+
+/* What texels of a table answer for, by the facts that its step wrote. */
+StyStatus read_sampling(const char *file, StySampling *out, StyError *error);
 
 /* A file as it is; whatever takes its place has another. The caller owns it. */
 json_t *identify_file(const char *path);
 
 /* The guides of a batch are float textures. */
-StyStatus write_guide_texture(const char *path, const StyImage *guide, StyError *error);
+StyStatus put_guide(const char *output, const StyImage *guide, StyError *error);
 StyStatus read_guide_texture(const char *path, StyImage **out, StyError *error);
 
 /* Masks are PGM: 255 where all exemplars of a style have paint. */

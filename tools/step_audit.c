@@ -6,45 +6,28 @@
 #include "step.h"
 #include "stylut/ktx2.h"
 
-/* The table of a texture, as whoever reads the bundle finds it. */
-static StyStatus read_table(const char *path, Size source, StySampling sampling, StyLut **out, StyError *error) {
-  StyMapping mapping;
-  StyTexture texture;
-  StyLut *lut = NULL;
-  StyStatus status = sty_map_file(path, &mapping, error);
-  if (status) return status;
-  if (sty_open_texture((StyBlob){mapping.data, mapping.size}, STY_VK_R16G16_UNORM, &texture) != STY_RUNTIME_OK)
-    status = sty_fail(error, STY_ERROR_INPUT, "%s: found no table of a batch, expected one", path);
-  const StyLutSpec spec = {.width = (int)texture.width, .height = (int)texture.height, .sampling = sampling};
-  if (!status) status = sty_create_lut(&spec, source.width, source.height, &lut, error);
-  for (size_t t = 0; !status && t < sty_count_texels(&spec); t++) {
-    uint32_t place[2];
-    for (size_t k = 0; k < 2; k++) {
-      const unsigned char *bytes = texture.texels + 4 * t + 2 * k;
-      place[k] = sty_decode_coordinate((uint32_t)(bytes[0] | bytes[1] << 8),
-                                       (uint32_t)(k ? source.height : source.width), 65535);
-    }
-    lut->pixels[t] = place[1] * (uint32_t)source.width + place[0];
-  }
-  sty_unmap_file(&mapping);
-  if (!status) *out = lut;
+/* The table's sampling, and the precision that its guide was read with. */
+static StyStatus read_facts(const Step *step, StySampling *sampling, int *bits, StyError *error) {
+  StyDocument guide = {NULL, NULL, NULL};
+  const char *table_file = get_step_file(step, "facts", 0, error);
+  const char *guide_file = table_file ? get_step_file(step, "guide_facts", 0, error) : NULL;
+  StyStatus status = guide_file ? read_sampling(table_file, sampling, error) : STY_ERROR_INPUT;
+  if (!status) status = sty_read_document(guide_file, &guide, error);
+  if (!status) status = sty_get_integer(&guide, NULL, guide.root, "bits", 8, 32, bits, error);
+  sty_close_document(&guide);
   return status;
 }
 
-/* The table's sampling, and the precision that its guide was read with. */
-static StyStatus read_facts(const Step *step, StySampling *sampling, int *bits, StyError *error) {
-  StyDocument table = {NULL, NULL, NULL}, guide = {NULL, NULL, NULL};
-  const char *table_file = get_step_file(step, "facts", 0, error), *name = NULL;
-  const char *guide_file = table_file ? get_step_file(step, "guide_facts", 0, error) : NULL;
-  StyStatus status = guide_file ? sty_read_document(table_file, &table, error) : STY_ERROR_INPUT;
-  if (!status) status = sty_read_document(guide_file, &guide, error);
-  if (!status) status = sty_get_integer(&guide, NULL, guide.root, "bits", 8, 32, bits, error);
-  if (!status)
-    status = sty_get_string(&table, &(StyPath){NULL, "lut", 0}, json_object_get(table.root, "lut"), "sampling", 1,
-                            &name, error);
-  *sampling = name && strcmp(name, "unorm8") == 0 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE;
-  sty_close_document(&table);
-  sty_close_document(&guide);
+/* The table as whoever reads the bundle finds it. */
+static StyStatus open_shipped(const Step *step, const StyImage *guide, StySampling sampling, StyLut **out,
+                              StyError *error) {
+  StyMapping mapping;
+  StyTexture texture;
+  const char *file = get_step_file(step, "luts", 0, error);
+  StyStatus status = file ? map_texture(file, STY_VK_R16G16_UNORM, &mapping, &texture, error) : STY_ERROR_INPUT;
+  if (status) return status;
+  status = decode_table(&texture, 0, sampling, guide->width, guide->height, out, error);
+  sty_unmap_file(&mapping);
   return status;
 }
 
@@ -89,10 +72,9 @@ StyStatus step_audit(Step *step, StyError *error) {
   StyLut *lut = NULL;
   Overlap overlap;
   StyAudit audit;
-  const char *table = get_step_file(step, "luts", 0, error);
-  StyStatus status = table ? read_facts(step, &sampling, &bits, error) : STY_ERROR_INPUT;
+  StyStatus status = read_facts(step, &sampling, &bits, error);
   if (!status) status = open_masked_guide(step, 0, &guide, &overlap, error);
-  if (!status) status = read_table(table, (Size){guide->width, guide->height}, sampling, &lut, error);
+  if (!status) status = open_shipped(step, guide, sampling, &lut, error);
   if (!status) {
     guide->bits = bits;
     status = audit_table(step, lut, guide, &audit, error);

@@ -54,6 +54,36 @@ StyStatus put_value(const char *output, json_t *value, StyError *error) {
   return status;
 }
 
+StyStatus put_texture(const char *output, uint32_t format, int width, int height, int layers, const void *texels,
+                      StyError *error) {
+  char *made = name_made(output, error);
+  StyStatus status = made ? sty_write_ktx2(made, format, width, height, layers, texels, error) : STY_ERROR_LIBRARY;
+  if (!status) status = put_made(output, error);
+  free(made);
+  return status;
+}
+
+StyStatus map_texture(const char *path, uint32_t format, StyMapping *mapping, StyTexture *out, StyError *error) {
+  const StyStatus status = sty_map_file(path, mapping, error);
+  if (status) return status;
+  if (sty_open_texture((StyBlob){mapping->data, mapping->size}, format, out) == STY_RUNTIME_OK) return STY_OK;
+  sty_unmap_file(mapping);
+  return sty_fail(error, STY_ERROR_INPUT, "%s: found no texture of format %u, expected one that a batch made", path,
+                  format);
+}
+
+StyStatus read_sampling(const char *file, StySampling *out, StyError *error) {
+  StyDocument facts = {NULL, NULL, NULL};
+  const StyPath lut = {NULL, "lut", 0};
+  const char *sampling = NULL;
+  StyStatus status = sty_read_document(file, &facts, error);
+  if (!status)
+    status = sty_get_string(&facts, &lut, json_object_get(facts.root, "lut"), "sampling", 1, &sampling, error);
+  *out = sampling && strcmp(sampling, "unorm8") == 0 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE;
+  sty_close_document(&facts);
+  return status;
+}
+
 json_t *identify_file(const char *path) {
   struct stat info;
   if (stat(path, &info) != 0) return json_null();
@@ -66,23 +96,16 @@ json_t *identify_file(const char *path) {
 static const char *const channels[] = {"normal.X", "normal.Y", "normal.Z", "A"};
 enum { CHANNELS = 4 };
 
-StyStatus write_guide_texture(const char *path, const StyImage *guide, StyError *error) {
+StyStatus put_guide(const char *output, const StyImage *guide, StyError *error) {
   const size_t pixels = sty_count_pixels(guide);
-  StyKtx2 texture;
   float *texels = malloc(pixels * CHANNELS * sizeof *texels);
-  if (!texels) return sty_fail_memory(error, path, (double)(pixels * CHANNELS * sizeof *texels));
+  if (!texels) return sty_fail_memory(error, output, (double)(pixels * CHANNELS * sizeof *texels));
   for (size_t c = 0; c < CHANNELS; c++) {
     const float *plane = sty_find_channel(guide, channels[c]);
     for (size_t i = 0; i < pixels; i++) texels[CHANNELS * i + c] = plane ? plane[i] : 0;
   }
-  StyStatus status = sty_open_ktx2(path, STY_VK_R32G32B32A32_SFLOAT, guide->width, guide->height, 1, &texture, error);
-  if (!status) {
-    status = sty_write_ktx2_layer(&texture, texels, error);
-    if (status)
-      sty_discard_ktx2(&texture);
-    else
-      status = sty_commit_ktx2(&texture, error);
-  }
+  const StyStatus status =
+      put_texture(output, STY_VK_R32G32B32A32_SFLOAT, guide->width, guide->height, 1, texels, error);
   free(texels);
   return status;
 }
@@ -91,13 +114,9 @@ StyStatus read_guide_texture(const char *path, StyImage **out, StyError *error) 
   StyMapping mapping;
   StyTexture texture;
   StyImage *guide = NULL;
-  StyStatus status = sty_map_file(path, &mapping, error);
+  StyStatus status = map_texture(path, STY_VK_R32G32B32A32_SFLOAT, &mapping, &texture, error);
   if (status) return status;
-  if (sty_open_texture((StyBlob){mapping.data, mapping.size}, STY_VK_R32G32B32A32_SFLOAT, &texture) != STY_RUNTIME_OK)
-    status =
-        sty_fail(error, STY_ERROR_INPUT, "%s: found no texture of floats, expected a guide that a batch made", path);
-  if (!status)
-    status = sty_create_image((int)texture.width, (int)texture.height, CHANNELS, channels, 32, &guide, error);
+  status = sty_create_image((int)texture.width, (int)texture.height, CHANNELS, channels, 32, &guide, error);
   const size_t pixels = status ? 0 : sty_count_pixels(guide);
   for (size_t i = 0; i < pixels; i++)
     for (size_t c = 0; c < CHANNELS; c++)

@@ -17,8 +17,8 @@ static StyStatus write_depfile(const Step *step, const char *path, const char *i
   json_t *hash;
   fprintf(output.stream, "%s:", step->output);
   json_object_foreach(step->packing.inputs, name, hash) {
-    char stamp[STAMP_SIZE], found[STY_HASH_SIZE];
-    if (!status) status = stamp_input(inputs, name, stamp, found, error);
+    char stamp[STAMP_SIZE];
+    if (!status) status = stamp_input(inputs, name, stamp, error);
     if (!status) fprintf(output.stream, " %s", stamp);
   }
   fputc('\n', output.stream);
@@ -30,20 +30,16 @@ static StyStatus write_depfile(const Step *step, const char *path, const char *i
 StyStatus step_guide(Step *step, StyError *error) {
   const char *depfile = NULL, *inputs = NULL, *facts = NULL;
   StyImage *guide = NULL;
-  char *made = name_made(step->output, error);
-  if (!made) return STY_ERROR_LIBRARY;
   StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "depfile", 0, &depfile, error);
   if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "inputs", 0, &inputs, error);
   if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "facts", 1, &facts, error);
   step->packing.inputs = json_object();
   if (!status) status = get_guide(&step->packing, 0, &guide, error);
-  if (!status) status = write_guide_texture(made, guide, error);
   if (!status && depfile && inputs) status = write_depfile(step, depfile, inputs, error);
-  if (!status) status = put_made(step->output, error);
+  if (!status) status = put_guide(step->output, guide, error);
   if (!status)
     status = put_value(facts, json_pack("{s:i, s:O}", "bits", guide->bits, "inputs", step->packing.inputs), error);
   sty_destroy_image(&guide);
-  free(made);
   return status;
 }
 
@@ -203,13 +199,7 @@ StyStatus step_exemplars(Step *step, StyError *error) {
   if (!made) return STY_ERROR_LIBRARY;
   open_earlier(step, keys, &earlier);
   status = sty_open_ktx2(made, STY_VK_R8G8B8A8_SRGB, size.width, size.height, layers, &texture, error);
-  if (!status) {
-    status = write_exemplars(step, &earlier, &texture, error);
-    if (status)
-      sty_discard_ktx2(&texture);
-    else
-      status = sty_commit_ktx2(&texture, error);
-  }
+  if (!status) status = sty_end_ktx2(&texture, write_exemplars(step, &earlier, &texture, error), error);
   close_earlier(&earlier);
   if (!status) status = put_made(step->output, error);
   if (!status) status = write_keys(step, keys, error);
@@ -273,13 +263,7 @@ StyStatus step_guides(Step *step, StyError *error) {
   if (!made) return STY_ERROR_LIBRARY;
   StyStatus status = sty_open_ktx2(made, STY_VK_R8G8B8A8_UNORM, size.width, size.height,
                                    step->packing.manifest.style_count, &texture, error);
-  if (!status) {
-    status = write_guides(step, &texture, error);
-    if (status)
-      sty_discard_ktx2(&texture);
-    else
-      status = sty_commit_ktx2(&texture, error);
-  }
+  if (!status) status = sty_end_ktx2(&texture, write_guides(step, &texture, error), error);
   if (!status) status = put_made(step->output, error);
   free(made);
   return status;

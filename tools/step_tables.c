@@ -9,28 +9,6 @@
 #include "step.h"
 #include "stylut/ktx2.h"
 
-enum { NAME_SIZE = 512 };
-
-/* ---- one layer, or as many as there are ---- */
-
-static StyStatus write_texture(const char *output, uint32_t format, int width, int height, int layers,
-                               const void *texels, StyError *error) {
-  StyKtx2 texture;
-  char *made = name_made(output, error);
-  if (!made) return STY_ERROR_LIBRARY;
-  StyStatus status = sty_open_ktx2(made, format, width, height, layers, &texture, error);
-  free(made);
-  if (status) return status;
-  for (int i = 0; !status && i < layers; i++)
-    status = sty_write_ktx2_layer(&texture, (const char *)texels + (size_t)i * texture.layer_size, error);
-  if (status) {
-    sty_discard_ktx2(&texture);
-    return status;
-  }
-  status = sty_commit_ktx2(&texture, error);
-  return status ? status : put_made(output, error);
-}
-
 /* ---- the size of all tables ---- */
 
 /* What one style's budget takes. */
@@ -122,7 +100,7 @@ static StyStatus make_lut(Step *step, const char *facts, StyError *error) {
   if (!status) review_holes(&step->arguments.options, packing->manifest.styles, table.holes);
   if (!status)
     status =
-        write_texture(step->output, STY_VK_R16G16_UNORM, packing->lut_size, packing->lut_size, 1, table.texels, error);
+        put_texture(step->output, STY_VK_R16G16_UNORM, packing->lut_size, packing->lut_size, 1, table.texels, error);
   if (!status) status = put_value(facts, json_pack("{s:o}", "lut", describe_lut(packing, 0, &table)), error);
   free(table.texels);
   sty_destroy_image(&guide);
@@ -144,41 +122,34 @@ StyStatus step_lut(Step *step, StyError *error) {
   return status;
 }
 
-static StyStatus write_luts(const Step *step, int count, StyKtx2 *texture, bool *is_open, const char *made,
-                            StyError *error) {
+/* One behind the other; the first says how large all are. */
+static StyStatus write_luts(const Step *step, int count, const char *made, StyError *error) {
+  StyKtx2 texture = {.width = 0};
   StyStatus status = STY_OK;
   for (int i = 0; !status && i < count; i++) {
     StyMapping mapping;
     StyTexture one;
     const char *file = get_step_file(step, "luts", (size_t)i, error);
-    status = file ? sty_map_file(file, &mapping, error) : STY_ERROR_INPUT;
-    if (status) return status;
-    if (sty_open_texture((StyBlob){mapping.data, mapping.size}, STY_VK_R16G16_UNORM, &one) != STY_RUNTIME_OK)
-      status = sty_fail(error, STY_ERROR_INPUT, "%s: found no table of a batch, expected one", file);
-    if (!status && !*is_open)
-      status = sty_open_ktx2(made, STY_VK_R16G16_UNORM, (int)one.width, (int)one.height, count, texture, error);
-    *is_open = *is_open || !status;
-    if (!status && ((int)one.width != texture->width || (int)one.height != texture->height))
+    status = file ? map_texture(file, STY_VK_R16G16_UNORM, &mapping, &one, error) : STY_ERROR_INPUT;
+    if (status) break;
+    if (i == 0)
+      status = sty_open_ktx2(made, STY_VK_R16G16_UNORM, (int)one.width, (int)one.height, count, &texture, error);
+    else if ((int)one.width != texture.width || (int)one.height != texture.height)
       status = sty_fail(error, STY_ERROR_INPUT, "%s: found a table of %ux%u texels, expected %dx%d as the others have",
-                        file, one.width, one.height, texture->width, texture->height);
-    if (!status) status = sty_write_ktx2_layer(texture, one.texels, error);
+                        file, one.width, one.height, texture.width, texture.height);
+    if (!status) status = sty_write_ktx2_layer(&texture, one.texels, error);
     sty_unmap_file(&mapping);
   }
-  return status;
+  return sty_end_ktx2(&texture, status, error);
 }
 
 StyStatus step_luts(Step *step, StyError *error) {
   const size_t count = json_array_size(json_object_get(step->recipe.root, "luts"));
-  StyKtx2 texture;
-  bool is_open = false;
+  if (count < 1 || count > STY_MAX_STYLES)
+    return sty_fail(error, STY_ERROR_INPUT, "%s: found %zu \"luts\", expected 1 to %d", step->recipe.name, count,
+                    STY_MAX_STYLES);
   char *made = name_made(step->output, error);
-  if (!made) return STY_ERROR_LIBRARY;
-  StyStatus status = count > 0 && count <= STY_MAX_STYLES
-                         ? write_luts(step, (int)count, &texture, &is_open, made, error)
-                         : sty_fail(error, STY_ERROR_INPUT, "%s: found %zu \"luts\", expected 1 to %d",
-                                    step->recipe.name, count, STY_MAX_STYLES);
-  if (status && is_open) sty_discard_ktx2(&texture);
-  if (!status) status = sty_commit_ktx2(&texture, error);
+  StyStatus status = made ? write_luts(step, (int)count, made, error) : STY_ERROR_LIBRARY;
   if (!status) status = put_made(step->output, error);
   free(made);
   return status;
@@ -191,14 +162,10 @@ static StyStatus find_unorm8(const Step *step, int style, bool *out, StyError *e
   const json_t *known = json_array_get(json_object_get(step->recipe.root, "unorm8"), (size_t)style);
   *out = json_is_true(known);
   if (json_is_boolean(known)) return STY_OK;
-  StyDocument facts = {NULL, NULL, NULL};
-  const char *file = get_step_file(step, "unorm8", (size_t)style, error), *sampling = NULL;
-  const StyPath lut = {NULL, "lut", 0};
-  StyStatus status = file ? sty_read_document(file, &facts, error) : STY_ERROR_INPUT;
-  if (!status)
-    status = sty_get_string(&facts, &lut, json_object_get(facts.root, "lut"), "sampling", 1, &sampling, error);
-  *out = sampling && strcmp(sampling, "unorm8") == 0;
-  sty_close_document(&facts);
+  StySampling sampling = STY_SAMPLE_CENTRE;
+  const char *file = get_step_file(step, "unorm8", (size_t)style, error);
+  const StyStatus status = file ? read_sampling(file, &sampling, error) : STY_ERROR_INPUT;
+  *out = sampling == STY_SAMPLE_UNORM8;
   return status;
 }
 
@@ -223,8 +190,7 @@ StyStatus step_params(Step *step, StyError *error) {
     sty_encode_style(&placed, rows);
     for (int row = 0; row < STY_PARAM_ROWS; row++) memcpy(texels[row * styles + i], rows[row], sizeof rows[row]);
   }
-  if (!status)
-    status = write_texture(step->output, STY_VK_R32G32B32A32_SFLOAT, styles, STY_PARAM_ROWS, 1, texels, error);
+  if (!status) status = put_texture(step->output, STY_VK_R32G32B32A32_SFLOAT, styles, STY_PARAM_ROWS, 1, texels, error);
   free(texels);
   return status;
 }
@@ -241,8 +207,8 @@ StyStatus step_jitter(Step *step, StyError *error) {
   uint8_t *tables = NULL;
   if (!status) status = get_jitters(&step->packing, &tables, error);
   if (!status)
-    status = write_texture(step->output, STY_VK_R8G8_UNORM, STY_JITTER_SIZE, STY_JITTER_SIZE,
-                           count_jitters(&step->packing), tables, error);
+    status = put_texture(step->output, STY_VK_R8G8_UNORM, STY_JITTER_SIZE, STY_JITTER_SIZE,
+                         count_jitters(&step->packing), tables, error);
   free(tables);
   return status;
 }

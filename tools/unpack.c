@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "commands.h"
+#include "inputs.h"
 #include "options.h"
 #include "stylut/image_io.h"
 #include "stylut/lut.h"
@@ -125,25 +126,14 @@ static StyStatus write_table(const Unpacking *unpacking, uint32_t layer, bool un
                              StyError *error) {
   const StyTexture *texture = &unpacking->loaded->bundle.textures[STY_BUNDLE_LUTS];
   const StyTexture *source = &unpacking->loaded->bundle.textures[STY_BUNDLE_GUIDES];
-  const size_t texels = (size_t)texture->width * texture->height;
-  const unsigned char *from = texture->texels + layer * texels * texture->texel_size;
-  StyLut lut = {.spec = {.width = (int)texture->width,
-                         .height = (int)texture->height,
-                         .sampling = unorm8 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE},
-                .source_width = (int)source->width,
-                .source_height = (int)source->height,
-                .pixels = malloc(texels * sizeof *lut.pixels)};
-  if (!lut.pixels) return sty_fail_memory(error, name, (double)(texels * sizeof *lut.pixels));
-  for (size_t t = 0; t < texels; t++, from += 4) {
-    const uint32_t x = sty_decode_coordinate((uint32_t)(from[0] | from[1] << 8), source->width, 65535);
-    const uint32_t y = sty_decode_coordinate((uint32_t)(from[2] | from[3] << 8), source->height, 65535);
-    lut.pixels[t] = y * source->width + x;
-  }
+  StyLut *lut = NULL;
   StyImage *image = NULL;
-  StyStatus status = sty_encode_lut(&lut, STY_ENCODE_RG16, &image, error);
+  StyStatus status = decode_table(texture, layer, unorm8 ? STY_SAMPLE_UNORM8 : STY_SAMPLE_CENTRE, (int)source->width,
+                                  (int)source->height, &lut, error);
+  if (!status) status = sty_encode_lut(lut, STY_ENCODE_RG16, &image, error);
   if (!status) status = write_picture(unpacking, name, image, true, error);
   sty_destroy_image(&image);
-  free(lut.pixels);
+  sty_destroy_lut(&lut);
   return status;
 }
 

@@ -14,15 +14,7 @@ typedef struct Arguments {
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
-  StyStatus status = STY_OK;
-  begin_option(key, text, state);
-  switch (key) {
-    case ARGP_KEY_INIT: return 0;
-    case ARGP_KEY_ARG: status = take_argument(&arguments->options, &arguments->bundle, text); break;
-    case ARGP_KEY_END: status = require_argument(&arguments->options, arguments->bundle, "the bundle's folder"); break;
-    default: return ARGP_ERR_UNKNOWN;
-  }
-  return end_option(status);
+  return parse_only_argument(key, text, state, &arguments->bundle, "the bundle's folder");
 }
 
 static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {0}};

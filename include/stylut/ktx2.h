@@ -32,6 +32,13 @@ StyStatus sty_write_ktx2_layer(StyKtx2 *texture, const void *texels, StyError *e
 StyStatus sty_commit_ktx2(StyKtx2 *texture, StyError *error);
 void sty_discard_ktx2(StyKtx2 *texture);
 
+/* Commits after success so far (STY_OK), discards after a failure, which it returns. */
+StyStatus sty_end_ktx2(StyKtx2 *texture, StyStatus so_far, StyError *error);
+
+/* All of it, from `layers` layers one behind the other. */
+StyStatus sty_write_ktx2(const char *path, uint32_t format, int width, int height, int layers, const void *texels,
+                         StyError *error);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,5 +1,3 @@
-#include <string.h>
-
 #include "stylut/audit.h"
 
 const StyLimit sty_limits[] = {

@@ -87,14 +87,9 @@ static StyStatus write_texture(const StyLoadedBundle *bundle, const StyBundleFol
   const StyTexture *texture = &bundle->bundle.textures[STY_BUNDLE_PARAMS];
   char *file = sty_name_bundle_file(folder, sty_bundle_files[STY_BUNDLE_PARAMS], error);
   if (!file) return STY_ERROR_LIBRARY;
-  StyKtx2 output;
-  StyStatus status =
-      sty_open_ktx2(file, STY_VK_R32G32B32A32_SFLOAT, (int)texture->width, STY_PARAM_ROWS, 1, &output, error);
+  const StyStatus status =
+      sty_write_ktx2(file, STY_VK_R32G32B32A32_SFLOAT, (int)texture->width, STY_PARAM_ROWS, 1, texture->texels, error);
   free(file);
-  if (status) return status;
-  status = sty_write_ktx2_layer(&output, texture->texels, error);
-  if (!status) return sty_commit_ktx2(&output, error);
-  sty_discard_ktx2(&output);
   return status;
 }
 

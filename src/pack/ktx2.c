@@ -152,3 +152,19 @@ StyStatus sty_commit_ktx2(StyKtx2 *texture, StyError *error) {
 }
 
 void sty_discard_ktx2(StyKtx2 *texture) { sty_discard_output(&texture->output); }
+
+StyStatus sty_end_ktx2(StyKtx2 *texture, StyStatus so_far, StyError *error) {
+  if (!so_far) return sty_commit_ktx2(texture, error);
+  sty_discard_ktx2(texture);
+  return so_far;
+}
+
+StyStatus sty_write_ktx2(const char *path, uint32_t format, int width, int height, int layers, const void *texels,
+                         StyError *error) {
+  StyKtx2 texture;
+  StyStatus status = sty_open_ktx2(path, format, width, height, layers, &texture, error);
+  if (status) return status;
+  for (int i = 0; !status && i < layers; i++)
+    status = sty_write_ktx2_layer(&texture, (const char *)texels + (size_t)i * texture.layer_size, error);
+  return sty_end_ktx2(&texture, status, error);
+}
