@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <sys/types.h>
 
 #include "stylut/status.h"
 
@@ -51,6 +52,9 @@ void sty_remove_temporary_folder(const char *temporary);
  * SIGXFSZ become errors of writing. */
 void sty_clean_up_when_ended(void);
 
+/* A process that those signals end together with this one, by SIGTERM; 0: none any more. */
+void sty_end_together(pid_t process);
+
 /* Checks that `path` is a file one can read; says which of missing, a folder,
  * no permission it is otherwise. `size` may be NULL. */
 StyStatus sty_check_file(const char *path, uint64_t *size, StyError *error);
@@ -66,6 +70,10 @@ typedef struct StyMapping {
 } StyMapping;
 StyStatus sty_map_file(const char *path, StyMapping *out, StyError *error);
 void sty_unmap_file(StyMapping *mapping);
+
+/* Part of a mapping that was looked at and isn't wanted for now: its memory is given back, and what it holds comes from
+ * the file again when it is looked at the next time. */
+void sty_rest_mapped(const void *part, size_t size);
 
 /* SHA-256 in lower-case hexadecimal. */
 #define STY_HASH_SIZE 65

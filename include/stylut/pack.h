@@ -165,8 +165,9 @@ void sty_discard_bundle(StyBundleWriter **writer);
  * bundle put in its place, as by sty_commit_bundle. */
 StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index, StyError *error);
 
-/* Removes a bundle's files and their folder; stays away from anything else. */
-void sty_remove_bundle(const char *path);
+/* STY_ERROR_FILE unless a bundle may be put at `path`: a new name, an empty folder, or an earlier bundle's, which may
+ * hold other files; those stay. */
+StyStatus sty_check_bundle_place(const char *path, StyError *error);
 
 /* Names of the files, in the order of STY_BUNDLE_*. */
 extern const char *const sty_bundle_files[STY_BUNDLE_FILES];
@@ -214,6 +215,9 @@ typedef struct StyLoadedBundle {
 StyStatus sty_load_bundle(const char *path, void (*report)(void *context, const StyFinding *finding), void *context,
                           StyLoadedBundle *out, StyError *error);
 void sty_unload_bundle(StyLoadedBundle *bundle);
+
+/* A style's name, by its number (1 and up); "" where the index has none. The bundle's. */
+const char *sty_get_style_name(const StyLoadedBundle *bundle, int number);
 
 /* The number (1 and up) of a style given as a number or by its name.
  * STY_ERROR_USAGE; `what` names the option. */

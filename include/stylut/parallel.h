@@ -50,6 +50,11 @@ double sty_keep_pace(StyPace *pace, double now, double done);
 /* Milliseconds of a clock that only goes forward; what counts is the difference. */
 double sty_get_milliseconds(void);
 
+/* Where addresses are limited (ulimit -v), takes what the calling thread's stack may grow by, as one that can't grow
+ * ends the process without a word. For the beginning of a program. STY_ERROR_LIBRARY: there isn't room even for that.
+ */
+StyStatus sty_claim_stack(StyError *error);
+
 /* Calls body(context, i, error) for every i in 0..count-1, in any order, on the
  * threads of `run`. Which thread does what must not change the result. Returns
  * the failure of the lowest i, so that messages don't depend on timing; once

@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/memory.h"
+
 #include "stylut/parallel.h"
 
 /* Sanitizers reserve more address space than any limit would allow. */
@@ -42,14 +44,6 @@ static void limit(int resource, double value) {
   setrlimit(resource, &found);
 }
 
-static double get_held_bytes(void) {
-  FILE *file = fopen("/proc/self/statm", "r");
-  unsigned long pages = 0;
-  if (file && fscanf(file, "%lu", &pages) != 1) pages = 0;
-  if (file) fclose(file);
-  return (double)pages * (double)sysconf(_SC_PAGESIZE);
-}
-
 /* A crash leaves no core, and nothing that a library prints reaches the terminal. */
 static void settle_child(const StyContained *contained) {
   static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
@@ -66,9 +60,7 @@ static void settle_child(const StyContained *contained) {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, contained->seconds + 5); /* should nobody be left to end it */
 #ifndef UNLIMITED
-  limit(RLIMIT_AS, get_held_bytes() + contained->bytes);
-#else
-  (void)get_held_bytes;
+  limit(RLIMIT_AS, sty_get_held_addresses() + contained->bytes);
 #endif
 }
 
@@ -121,13 +113,14 @@ bool sty_receive(StyPipe *pipe, void *data, size_t size) {
 static StyStatus fail_child(const StyContained *contained, const StyPipe *pipe, int outcome, StyError *error) {
   if (sty_get_milliseconds() >= pipe->deadline)
     return sty_fail(error, STY_ERROR_INPUT,
-                    "%s: %s was still at it after %.0f s and was stopped; expected a file that it can read",
-                    contained->name, contained->worker, contained->seconds);
+                    "%s: %s was still at it after %.0f s and was stopped; expected a file that it can read, or %s",
+                    contained->name, contained->worker, contained->seconds, contained->more_seconds);
   if (WIFSIGNALED(outcome))
-    return sty_fail(
-        error, STY_ERROR_INPUT,
-        "%s: %s crashed on it (signal %d), or found less than %.0f MB too little; expected a file that it can read",
-        contained->name, contained->worker, WTERMSIG(outcome), contained->bytes / 1e6);
+    return sty_fail(error, STY_ERROR_INPUT,
+                    "%s: %s crashed on it (signal %d), or found less than %.0f MB too little; expected a file that it "
+                    "can read, or %s",
+                    contained->name, contained->worker, WTERMSIG(outcome), contained->bytes / 1e6,
+                    contained->more_bytes);
   return sty_fail(error, STY_ERROR_INPUT, "%s: %s gave up without a word; expected a file that it can read",
                   contained->name, contained->worker);
 }

@@ -14,6 +14,7 @@ typedef struct StyPipe StyPipe;
 typedef struct StyContained {
   const char *name;                                  /* the file, for messages */
   const char *worker;                                /* who is contained, for messages: "the importer" */
+  const char *more_seconds, *more_bytes;             /* what gives it more of either, for messages */
   double seconds, bytes;                             /* what the work may take; bytes beyond what is held now */
   StyStatus (*work)(void *context, StyError *error); /* in the child: leaves the result in the context */
   void (*send)(const void *context, StyPipe *pipe);  /* in the child, after success */

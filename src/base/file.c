@@ -47,6 +47,7 @@ static int create_temporary(const char *path, int (*create)(const char *name), c
 }
 
 static StyStatus fail_temporary(const char *path, int cause, StyError *error) {
+  if (cause == ENOMEM) return sty_fail_memory(error, path, (double)strlen(path));
   return sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a folder that exists and can be written to",
                   path, strerror(cause));
 }
@@ -190,6 +191,7 @@ StyStatus sty_map_file(const char *path, StyMapping *out, StyError *error) {
   void *memory = descriptor < 0 ? MAP_FAILED : mmap(NULL, (size_t)length, PROT_READ, MAP_PRIVATE, descriptor, 0);
   const int cause = errno;
   if (descriptor >= 0) close(descriptor);
+  if (memory == MAP_FAILED && cause == ENOMEM) return sty_fail_memory(error, path, (double)length);
   if (memory == MAP_FAILED)
     return sty_fail(error, STY_ERROR_FILE, "%s: %s; expected a file to read", path, strerror(cause));
   *out = (StyMapping){memory, (size_t)length};
@@ -199,6 +201,12 @@ StyStatus sty_map_file(const char *path, StyMapping *out, StyError *error) {
 void sty_unmap_file(StyMapping *mapping) {
   if (mapping->data) munmap((void *)(uintptr_t)mapping->data, mapping->size);
   *mapping = (StyMapping){NULL, 0};
+}
+
+void sty_rest_mapped(const void *part, size_t size) {
+  const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+  const uintptr_t begin = ((uintptr_t)part + page - 1) / page * page, end = ((uintptr_t)part + size) / page * page;
+  if (begin < end) madvise((void *)begin, end - begin, MADV_DONTNEED);
 }
 
 static void write_digest(struct sha256_ctx *state, char out[STY_HASH_SIZE]) {

@@ -5,9 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "stylut/ceilings.h"
 #include "stylut/file.h"
-
-static const size_t largest_document = 16u << 20;
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
@@ -70,7 +69,13 @@ static StyStatus parse(StyDocument *document, size_t size, StyError *error) {
 StyStatus sty_read_document(const char *path, StyDocument *out, StyError *error) {
   unsigned char *bytes = NULL;
   size_t size = 0;
-  StyStatus status = sty_read_file(path, largest_document, &bytes, &size, error);
+  uint64_t length = 0;
+  const double most = sty_get_ceiling(STY_CEILING_JSON_BYTES);
+  StyStatus status = sty_check_file(path, &length, error);
+  if (!status && (double)length > most)
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found %llu bytes, expected at most %.0f (--limit json-bytes=N)",
+                      path, (unsigned long long)length, most);
+  if (!status) status = sty_read_file(path, (size_t)most, &bytes, &size, error);
   if (status) return status;
   StyDocument document = {strdup(path), (char *)bytes, NULL};
   status = document.name ? parse(&document, size, error) : sty_fail_memory(error, path, (double)strlen(path));

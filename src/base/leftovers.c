@@ -50,12 +50,21 @@ void sty_remove_folder(const char *path) {
 
 /* ---- the end ---- */
 
+static pid_t child; /* 0: none */
+
+void sty_end_together(pid_t process) {
+  sty_lock_leftovers();
+  child = process;
+  sty_unlock_leftovers();
+}
+
 /* A thread of its own may take locks and read folders, as no handler may. */
 static void *await_end(void *signals) {
   int number = 0;
   sigset_t awaited = *(sigset_t *)signals;
   if (sigwait(&awaited, &number) != 0) return NULL;
   sty_lock_leftovers();
+  if (child > 0) kill(child, SIGTERM);
   for (const Leftover *leftover = leftovers; leftover; leftover = leftover->next)
     if (unlink(leftover->path) != 0) sty_remove_folder(leftover->path);
   signal(number, SIG_DFL);

@@ -4,9 +4,13 @@
 #include <omp.h>
 #include <time.h>
 
+#include "base/memory.h"
+
 int sty_get_threads(const StyRun *run) {
   const int threads = run && run->threads > 0 ? run->threads : omp_get_num_procs();
-  return threads < 1 ? 1 : threads;
+  /* OpenMP ends the process where a thread finds no room; half of it is left to the work. */
+  const double room = sty_get_address_room() / (2 * STY_THREAD_ADDRESSES);
+  return threads < 1 || room < 1 ? 1 : room < threads ? (int)room : threads;
 }
 
 static void report_share(void *context, double done) {
@@ -76,4 +80,23 @@ StyStatus sty_parallel_for(const StyRun *run, long count, StyStatus (*body)(void
   }
   if (first.status != STY_OK && error) *error = first;
   return first.status;
+}
+
+enum { STACK = 2 << 20, PAGE = 4096 };
+
+/* Not inlined, so that its room is given back to those that come after. */
+static __attribute__((noinline)) void touch_stack(void) {
+  volatile char room[STACK];
+  for (size_t i = 0; i < STACK; i += PAGE) room[i] = 0;
+  (void)room[0];
+}
+
+StyStatus sty_claim_stack(StyError *error) {
+  const double room = sty_get_address_room();
+  if (isinf(room)) return STY_OK;
+  if (room < 2.0 * STACK)
+    return sty_fail(error, STY_ERROR_LIBRARY, "found %.1f MB of addresses left, expected 4 or more (ulimit -v)",
+                    room / 1e6);
+  touch_stack();
+  return STY_OK;
 }

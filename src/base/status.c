@@ -5,8 +5,11 @@
 #include <string.h>
 
 void sty_clean_text(char *text) {
-  for (char *c = text; *c; c++)
-    if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+  for (unsigned char *c = (unsigned char *)text; *c; c++) {
+    if (*c < 0x20 || *c == 0x7f) *c = '?';
+    if (*c == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0)
+      c[0] = c[1] = '?'; /* U+0080 to U+009F, ESC and [ in one among them */
+  }
 }
 
 StyStatus sty_fail(StyError *error, StyStatus status, const char *format, ...) {

@@ -8,16 +8,29 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "base/memory.h"
 #include "bridge/whole.h"
+#include "stylut/ceilings.h"
 #include "stylut/image_io.h"
 
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const StyImageCodec *codec;
 static StyError cause;
 
+/* OpenImageIO, what it draws in, and a thread of its own per processor. */
+static const double MODULE_ADDRESSES = 700e6;
+
 /* Found beside the program, in ../lib, or where the system looks. Stays open:
  * libraries with threads of their own don't survive being unloaded. */
 static void open_module(void) {
+  const double room = sty_get_address_room(),
+               needed = MODULE_ADDRESSES + STY_THREAD_ADDRESSES * sysconf(_SC_NPROCESSORS_ONLN);
+  if (room < needed) {
+    sty_fail(&cause, STY_ERROR_LIBRARY,
+             "image module: found %.0f MB of addresses left, expected %.0f or more (ulimit -v)", room / 1e6,
+             needed / 1e6);
+    return;
+  }
   void *module = dlopen(STY_CODEC_MODULE, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (module) codec = dlsym(module, STY_CODEC_SYMBOL);
   if (!codec)
@@ -37,16 +50,19 @@ static StyStatus get_reader(const char *path, const StyImageCodec **out, StyErro
   return status ? status : sty_check_whole(path, error);
 }
 
+/* The module has a copy of ours that nobody sets anything in. */
+static long long get_most_pixels(void) { return (long long)sty_get_ceiling(STY_CEILING_PIXELS); }
+
 StyStatus sty_read_image(const char *path, StyImage **out, StyError *error) {
   const StyImageCodec *c;
   const StyStatus status = get_reader(path, &c, error);
-  return status ? status : c->read(path, out, error);
+  return status ? status : c->read(path, get_most_pixels(), out, error);
 }
 
 StyStatus sty_read_image_shape(const char *path, StyImageShape *out, StyError *error) {
   const StyImageCodec *c;
   const StyStatus status = get_reader(path, &c, error);
-  return status ? status : c->read_shape(path, out, error);
+  return status ? status : c->read_shape(path, get_most_pixels(), out, error);
 }
 
 StyStatus sty_resize_image(const char *name, const StyImage *image, int width, int height, StyImage **out,
@@ -193,7 +209,7 @@ StyStatus sty_write_image(const char *path, const StyImage *image, StyError *err
 StyStatus sty_open_texture_map(const char *path, StyTextureMap **out, StyError *error) {
   const StyImageCodec *c;
   const StyStatus status = get_reader(path, &c, error);
-  return status ? status : c->open_texture(path, out, error);
+  return status ? status : c->open_texture(path, get_most_pixels(), out, error);
 }
 
 void sty_close_texture_map(StyTextureMap **texture) {

@@ -18,15 +18,15 @@ typedef struct StyRowWriter StyRowWriter;
 
 /* As sty_read_image and the writers of image_io.h, and what texture.h has. */
 typedef struct StyImageCodec {
-  StyStatus (*read)(const char *path, StyImage **out, StyError *error);
-  StyStatus (*read_shape)(const char *path, StyImageShape *out, StyError *error);
+  StyStatus (*read)(const char *path, long long most_pixels, StyImage **out, StyError *error);
+  StyStatus (*read_shape)(const char *path, long long most_pixels, StyImageShape *out, StyError *error);
   StyStatus (*resize)(const char *name, const StyImage *image, StyImage *out, StyError *error);
   StyStatus (*open_writer)(const char *path, FILE *stream, StyImageFormat format, const StyImage *like, int height,
                            StyRowWriter **out, StyError *error);
   StyStatus (*write_rows)(StyRowWriter *writer, const StyImage *rows, StyError *error);
   StyStatus (*close_writer)(StyRowWriter **writer, StyError *error); /* spends it either way */
   void (*discard_writer)(StyRowWriter **writer);
-  StyStatus (*open_texture)(const char *path, StyTextureMap **out, StyError *error);
+  StyStatus (*open_texture)(const char *path, long long most_pixels, StyTextureMap **out, StyError *error);
   void (*close_texture)(StyTextureMap **texture);
   bool (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 } StyImageCodec;

@@ -74,7 +74,8 @@ struct Part {
   std::vector<float> divisors;  // of each channel's values
 };
 
-std::vector<Part> read_headers(const char *path, ImageInput &input, double file_bytes, StyError *error) {
+std::vector<Part> read_headers(const char *path, ImageInput &input, double file_bytes, long long most_pixels,
+                               StyError *error) {
   std::vector<Part> parts;
   double claimed = 0;
   for (int index = 0; index < STY_MAX_CHANNELS; index++) {
@@ -92,13 +93,14 @@ std::vector<Part> read_headers(const char *path, ImageInput &input, double file_
                      first.full_width, first.full_height, spec.full_width, spec.full_height));
     }
     if (spec.full_width < 1 || spec.full_height < 1 || spec.full_width > STY_MAX_SIDE ||
-        spec.full_height > STY_MAX_SIDE || (long long)spec.full_width * spec.full_height > STY_MAX_PIXELS ||
-        spec.width < 1 || spec.height < 1 || spec.width > STY_MAX_SIDE || spec.height > STY_MAX_SIDE ||
-        spec.nchannels < 1 || spec.nchannels > STY_MAX_CHANNELS)
+        spec.full_height > STY_MAX_SIDE || (long long)spec.full_width * spec.full_height > most_pixels ||
+        (long long)spec.width * spec.height > most_pixels || spec.width < 1 || spec.height < 1 ||
+        spec.width > STY_MAX_SIDE || spec.height > STY_MAX_SIDE || spec.nchannels < 1 ||
+        spec.nchannels > STY_MAX_CHANNELS)
       check(sty_fail(error, STY_ERROR_INPUT,
                      "%s: found a header of %dx%d pixels and %d channels, expected sides up to %d, at most %lld pixels "
-                     "and %d channels",
-                     path, spec.full_width, spec.full_height, spec.nchannels, STY_MAX_SIDE, STY_MAX_PIXELS,
+                     "(--limit pixels=N) and %d channels",
+                     path, spec.full_width, spec.full_height, spec.nchannels, STY_MAX_SIDE, most_pixels,
                      STY_MAX_CHANNELS));
     const double pixels = std::fmax(double(spec.width) * spec.height, double(spec.full_width) * spec.full_height);
     claimed += pixels * double(spec.pixel_bytes(true));  // as the file has them
@@ -229,7 +231,7 @@ static void check_names(const char *path, const std::vector<const char *> &names
   }
 }
 
-static Source open_source(const char *path, StyError *error) {
+static Source open_source(const char *path, long long most_pixels, StyError *error) {
   uint64_t file_bytes = 0;
   check(sty_check_file(path, &file_bytes, error));
   ImageSpec header, hints;
@@ -240,7 +242,7 @@ static Source open_source(const char *path, StyError *error) {
   if (!source.input || !source.input->open(path, header, hints))
     check(sty_fail(error, STY_ERROR_INPUT, "%s: found no readable picture, expected EXR, PNG, TIFF, JPEG, TGA or HDR",
                    path));
-  source.parts = read_headers(path, *source.input, double(file_bytes), error);
+  source.parts = read_headers(path, *source.input, double(file_bytes), most_pixels, error);
   return source;
 }
 
@@ -251,17 +253,17 @@ static std::vector<const char *> get_names(const Source &source) {
   return names;
 }
 
-StyStatus sty::read_shape(const char *path, StyImageShape *out, StyError *error) {
+StyStatus sty::read_shape(const char *path, long long most_pixels, StyImageShape *out, StyError *error) {
   return guard(path, error, [&] {
-    const Source source = open_source(path, error);
+    const Source source = open_source(path, most_pixels, error);
     const ImageSpec &first = source.parts.front().spec;
     *out = {first.full_width, first.full_height, int(get_names(source).size())};
   });
 }
 
-StyStatus sty::read_image(const char *path, StyImage **out, StyError *error) {
+StyStatus sty::read_image(const char *path, long long most_pixels, StyImage **out, StyError *error) {
   return guard(path, error, [&] {
-    const Source source = open_source(path, error);
+    const Source source = open_source(path, most_pixels, error);
     const std::vector<const char *> names = get_names(source);
     check_names(path, names, error);
     const std::vector<Part> &parts = source.parts;

@@ -41,12 +41,12 @@ struct ImageDeleter {
 };
 using ImageHolder = std::unique_ptr<StyImage, ImageDeleter>;
 
-StyStatus read_image(const char *path, StyImage **out, StyError *error);
-StyStatus read_shape(const char *path, StyImageShape *out, StyError *error);
+StyStatus read_image(const char *path, long long most_pixels, StyImage **out, StyError *error);
+StyStatus read_shape(const char *path, long long most_pixels, StyImageShape *out, StyError *error);
 
 StyStatus resize_image(const char *name, const StyImage *image, StyImage *out, StyError *error);
 
-StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error);
+StyStatus open_texture(const char *path, long long most_pixels, StyTextureMap **out, StyError *error);
 void close_texture(StyTextureMap **texture);
 bool sample_texture(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 

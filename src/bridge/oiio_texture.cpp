@@ -60,9 +60,9 @@ void check_values(const char *path, const Picture &picture, StyError *error) {
                        double(plane[i]), i % width, i / width, double(STY_MAX_TEXEL)));
 }
 
-Picture read_picture(const char *path, StyError *error) {
+Picture read_picture(const char *path, long long most_pixels, StyError *error) {
   StyImage *read = nullptr;
-  check(read_image(path, &read, error));
+  check(read_image(path, most_pixels, &read, error));
   Picture picture;
   picture.image.reset(read);
   if (!find_planes(&picture))
@@ -83,7 +83,7 @@ class LinearPicture final : public OIIO::ImageInput {
   bool open(const std::string &name, OIIO::ImageSpec &spec) override {
     StyError error;
     const StyStatus status = guard(name.c_str(), &error, [&] {
-      picture_ = just_read.image ? std::move(just_read) : read_picture(name.c_str(), &error);
+      picture_ = just_read.image ? std::move(just_read) : read_picture(name.c_str(), STY_MAX_PIXELS, &error);
       m_spec = OIIO::ImageSpec(picture_.image->width, picture_.image->height, 3, OIIO::TypeDesc::FLOAT);
       spec = m_spec;
     });
@@ -138,13 +138,13 @@ struct StyTextureMap {
 
 namespace sty {
 
-StyStatus open_texture(const char *path, StyTextureMap **out, StyError *error) {
+StyStatus open_texture(const char *path, long long most_pixels, StyTextureMap **out, StyError *error) {
   return guard(path, error, [&] {
     auto texture = std::make_unique<StyTextureMap>();
     OIIO::TextureSystem &system = get_system();
     texture->path = OIIO::ustring(path);
     system.invalidate(texture->path);  // what an earlier texture of this path has left
-    just_read = read_picture(path, error);
+    just_read = read_picture(path, most_pixels, error);
     texture->width = just_read.image->width;
     texture->height = just_read.image->height;
     system.imagecache()->add_file(texture->path, make_picture, nullptr, true);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "scene/points.h"
 #include "scene/vector.h"
 #include "stylut/version.h"
@@ -161,12 +162,20 @@ static void attach_all(StyTracer *tracer) {
   if (model->sphere_count) attach(tracer->scene, make_spheres(tracer), (unsigned)model->object_count);
 }
 
+/* TBB's threads and its heap; without room for them it ends the process. */
+static const double EMBREE_ADDRESSES = 500e6;
+
 /* One thread builds, whatever the run asks for: the order of triangles in the
  * tree depends on the number of builders, and decides which of two triangles
  * wins where a ray meets their common edge. */
 static StyStatus build_tracer(StyTracer *tracer, const StyScene *scene, StyError *error) {
   const StyStatus status = place_all(tracer, scene, error);
   if (status) return status;
+  const double room = sty_get_address_room();
+  if (room < EMBREE_ADDRESSES)
+    return sty_fail(error, STY_ERROR_LIBRARY,
+                    "Embree: found %.0f MB of addresses left, expected %.0f or more (ulimit -v)", room / 1e6,
+                    EMBREE_ADDRESSES / 1e6);
   tracer->device = rtcNewDevice("threads=1");
   if (!tracer->device) {
     const enum RTCError code = rtcGetDeviceError(NULL);

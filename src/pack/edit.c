@@ -2,7 +2,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "pack/folder.h"
 
@@ -72,12 +71,9 @@ StyStatus sty_set_bundle_parameter(const char *what, const char *text, StyLoaded
 }
 
 /* The files that stay are the same ones under another name. */
-static StyStatus link_file(const char *path, const StyBundleFolder *folder, const char *name, StyError *error) {
+static StyStatus keep_file(const char *path, const StyBundleFolder *folder, const char *name, StyError *error) {
   char *from = sty_join_path(path, name), *to = sty_name_bundle_file(folder, name, error);
-  StyStatus status = from && to ? STY_OK : sty_fail_memory(error, path, 0);
-  if (!status && link(from, to) != 0)
-    status = sty_fail(error, STY_ERROR_FILE, "%s: cannot link: %s; expected a file system that has links", from,
-                      strerror(errno));
+  const StyStatus status = from && to ? sty_take_file(from, to, error) : sty_fail_memory(error, path, 0);
   free(from);
   free(to);
   return status;
@@ -100,8 +96,8 @@ StyStatus sty_save_parameters(const char *name, const StyLoadedBundle *bundle, S
       path ? sty_open_bundle_folder(path, &folder, error)
            : sty_fail(error, STY_ERROR_FILE, "%s: cannot write: %s; expected a bundle folder", name, strerror(errno));
   for (int i = 0; !status && i < STY_BUNDLE_FILES; i++)
-    if (i != STY_BUNDLE_PARAMS) status = link_file(path, &folder, sty_bundle_files[i], error);
-  if (!status) status = link_file(path, &folder, STY_IMPORT_SETTINGS, error);
+    if (i != STY_BUNDLE_PARAMS) status = keep_file(path, &folder, sty_bundle_files[i], error);
+  if (!status) status = keep_file(path, &folder, STY_IMPORT_SETTINGS, error);
   if (!status) status = write_texture(bundle, &folder, error);
   if (!status) status = sty_commit_bundle_folder(&folder, bundle->index.root, error);
   sty_discard_bundle_folder(&folder);

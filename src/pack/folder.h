@@ -11,7 +11,10 @@ typedef struct StyBundleFolder {
   char *temporary; /* its name so far */
 } StyBundleFolder;
 
-/* STY_ERROR_FILE when `path` can't be written or is a folder that holds anything but a bundle. */
+/* Gives a file another name in another folder, or copies it where that can't be. */
+StyStatus sty_take_file(const char *from, const char *to, StyError *error);
+
+/* STY_ERROR_FILE as by sty_check_bundle_place. */
 StyStatus sty_open_bundle_folder(const char *path, StyBundleFolder *out, StyError *error);
 
 /* A file's name in the making; the caller frees it. NULL, with *error, when memory is short. */
@@ -23,5 +26,8 @@ StyStatus sty_commit_bundle_folder(StyBundleFolder *folder, json_t *index, StyEr
 
 /* Frees the names, and removes what isn't in its place. Does nothing to a folder that is zeroed. */
 void sty_discard_bundle_folder(StyBundleFolder *folder);
+
+/* Checks a bundle as sty_load_bundle does, but for the hashes of its files, which the caller has just computed. */
+StyStatus sty_check_fresh_bundle(const char *path, StyError *error);
 
 #endif

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pack/folder.h"
 #include "pack/seal.h"
 #include "stylut/image.h"
 #include "stylut/pack.h"
@@ -11,6 +12,7 @@
 /* Where findings go: to the caller, and the first that counts to the message. */
 typedef struct Report {
   const char *path;
+  bool is_fresh; /* the index has the hashes of a moment ago */
   void (*send)(void *context, const StyFinding *finding);
   void *context;
   StyStatus status;
@@ -40,6 +42,15 @@ static const char *without_path(const char *text, const char *path) {
                                                                  : text;
 }
 
+/* What was found out from below; without memory nothing was, and the bundle may well be good. */
+static void add_cause(Report *report, StyFindingNumber number, const char *file, const char *path,
+                      const StyError *cause) {
+  if (cause->status != STY_ERROR_LIBRARY)
+    add_finding(report, number, file, "%s", without_path(cause->text, path ? path : ""));
+  else if (report->status != STY_ERROR_LIBRARY)
+    report->status = sty_fail(report->error, STY_ERROR_LIBRARY, "%s", cause->text);
+}
+
 static bool read_index(Report *report, StyDocument *index) {
   char *path = sty_join_path(report->path, STY_BUNDLE_INDEX);
   StyError cause;
@@ -54,8 +65,8 @@ static bool read_index(Report *report, StyDocument *index) {
     status = sty_fail_value(index, files ? &(StyPath){NULL, "files", 0} : NULL, files,
                             "a list \"files\" of the five textures", &cause);
   if (status) {
-    add_finding(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_INDEX, STY_BUNDLE_INDEX, "%s",
-                without_path(cause.text, path ? path : ""));
+    add_cause(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_INDEX, STY_BUNDLE_INDEX, path,
+              &cause);
     /* An index that can't be read is about the folder: a bundle is what was expected. */
     if (status == STY_ERROR_FILE)
       sty_fail(report->error, status, "%s: found no readable " STY_BUNDLE_INDEX " in it, expected a bundle folder",
@@ -68,7 +79,10 @@ static bool read_index(Report *report, StyDocument *index) {
 static void check_seal(Report *report, const StyDocument *index) {
   const char *seal = json_string_value(json_object_get(index->root, STY_SEAL_KEY));
   char found[STY_HASH_SIZE];
-  if (sty_seal_index(index->root, found, NULL) || !seal || strcmp(seal, found) != 0)
+  StyError cause;
+  if (sty_seal_index(index->root, found, &cause))
+    add_cause(report, STY_FINDING_HASH, STY_BUNDLE_INDEX, NULL, &cause);
+  else if (!seal || strcmp(seal, found) != 0)
     add_finding(report, STY_FINDING_HASH, STY_BUNDLE_INDEX,
                 "found contents whose SHA-256 isn't the one they give: the index was changed");
 }
@@ -99,8 +113,10 @@ static void compare_with_index(Report *report, const Listed *listed, const char 
   else if ((json_int_t)size != wanted_size)
     add_finding(report, STY_FINDING_SIZE, name, "found %llu bytes, expected %lld by the index",
                 (unsigned long long)size, (long long)wanted_size);
+  else if (report->is_fresh)
+    return;
   else if (sty_hash_file(path, hash, &cause))
-    add_finding(report, STY_FINDING_MISSING, name, "%s", without_path(cause.text, path));
+    add_cause(report, STY_FINDING_MISSING, name, path, &cause);
   else if (strcmp(hash, wanted_hash) != 0)
     add_finding(report, STY_FINDING_HASH, name,
                 "found SHA-256 %.16s..., expected %.16s... by the index: the file was changed", hash, wanted_hash);
@@ -115,7 +131,7 @@ static void check_settings(Report *report, const StyDocument *index) {
   if ((path ? sty_check_file(path, &size, &cause) : sty_fail_memory(&cause, report->path, 0)) == STY_OK)
     compare_with_index(report, &listed, path, size);
   else
-    add_finding(report, STY_FINDING_MISSING, STY_IMPORT_SETTINGS, "%s", without_path(cause.text, path ? path : ""));
+    add_cause(report, STY_FINDING_MISSING, STY_IMPORT_SETTINGS, path, &cause);
   free(path);
 }
 
@@ -130,8 +146,8 @@ static bool map_file(Report *report, StyLoadedBundle *bundle, int which) {
     status = sty_map_file(path, &bundle->files[which], &cause);
   }
   if (status)
-    add_finding(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_TEXTURE, sty_bundle_files[which],
-                "%s", without_path(cause.text, path ? path : ""));
+    add_cause(report, status == STY_ERROR_FILE ? STY_FINDING_MISSING : STY_FINDING_TEXTURE, sty_bundle_files[which],
+              path, &cause);
   free(path);
   return !status;
 }
@@ -168,6 +184,8 @@ static void check_luts(Report *report, const StyBundle *bundle) {
       const size_t y = sty_decode_coordinate((uint32_t)(lut[2] | lut[3] << 8), guides->height, 65535);
       background += guide[4 * (y * guides->width + x) + 3] == 0;
     }
+    sty_rest_mapped(luts->texels + layer * texels * 4, texels * 4);
+    sty_rest_mapped(guide, pixels * 4);
     if (background)
       add_finding(report, STY_FINDING_BACKGROUND, sty_bundle_files[STY_BUNDLE_LUTS],
                   "found %zu texels of style %u that point at uncovered source pixels, expected none", background,
@@ -175,29 +193,39 @@ static void check_luts(Report *report, const StyBundle *bundle) {
   }
 }
 
-StyStatus sty_load_bundle(const char *path, void (*send)(void *context, const StyFinding *finding), void *context,
-                          StyLoadedBundle *out, StyError *error) {
-  Report report = {path, send, context, STY_OK, error};
+static StyStatus load_bundle(Report *report, StyLoadedBundle *out) {
   StyLoadedBundle bundle;
   memset(&bundle, 0, sizeof bundle);
-  const bool has_index = read_index(&report, &bundle.index);
-  if (has_index) check_seal(&report, &bundle.index);
-  if (has_index) check_settings(&report, &bundle.index);
-  if (has_index && map_files(&report, &bundle) && open_view(&report, &bundle)) {
+  const bool has_index = read_index(report, &bundle.index);
+  if (has_index) check_seal(report, &bundle.index);
+  if (has_index) check_settings(report, &bundle.index);
+  if (has_index && map_files(report, &bundle) && open_view(report, &bundle)) {
     const size_t listed = json_array_size(json_object_get(bundle.index.root, "styles"));
     const uint32_t styles = bundle.bundle.textures[STY_BUNDLE_PARAMS].width;
     if (listed != styles)
-      add_finding(&report, STY_FINDING_STYLES, STY_BUNDLE_INDEX,
+      add_finding(report, STY_FINDING_STYLES, STY_BUNDLE_INDEX,
                   "found %zu styles in the index, expected the %u of "
                   "the textures",
                   listed, styles);
-    check_luts(&report, &bundle.bundle);
+    check_luts(report, &bundle.bundle);
   }
-  if (report.status)
+  if (report->status)
     sty_unload_bundle(&bundle);
   else
     *out = bundle;
-  return report.status;
+  return report->status;
+}
+
+StyStatus sty_load_bundle(const char *path, void (*send)(void *context, const StyFinding *finding), void *context,
+                          StyLoadedBundle *out, StyError *error) {
+  return load_bundle(&(Report){path, false, send, context, STY_OK, error}, out);
+}
+
+StyStatus sty_check_fresh_bundle(const char *path, StyError *error) {
+  StyLoadedBundle bundle;
+  const StyStatus status = load_bundle(&(Report){path, true, NULL, NULL, STY_OK, error}, &bundle);
+  if (!status) sty_unload_bundle(&bundle);
+  return status;
 }
 
 void sty_unload_bundle(StyLoadedBundle *bundle) {
@@ -207,20 +235,40 @@ void sty_unload_bundle(StyLoadedBundle *bundle) {
   bundle->parameters = NULL;
 }
 
-StyStatus sty_find_style(const char *what, const char *text, const StyLoadedBundle *bundle, int *out, StyError *error) {
+const char *sty_get_style_name(const StyLoadedBundle *bundle, int number) {
   const json_t *styles = json_object_get(bundle->index.root, "styles");
-  const size_t count = json_array_size(styles);
-  for (size_t i = 0; i < count; i++) {
-    const char *name = json_string_value(json_object_get(json_array_get(styles, i), "name"));
-    if (name && strcmp(name, text) == 0) {
-      *out = (int)i + 1;
+  const char *name = json_string_value(json_object_get(json_array_get(styles, (size_t)number - 1), "name"));
+  return name ? name : "";
+}
+
+/* "'ink', 'oil', ...": those that have room. */
+static void list_names(const StyLoadedBundle *bundle, int count, char *out, size_t size) {
+  size_t used = 0;
+  *out = 0;
+  for (int number = 1; number <= count; number++) {
+    const char *name = sty_get_style_name(bundle, number);
+    if (used + strlen(name) + sizeof ", '', ..." > size) {
+      snprintf(out + used, size - used, ", ...");
+      return;
+    }
+    used += (size_t)snprintf(out + used, size - used, "%s'%s'", used ? ", " : "", name);
+  }
+}
+
+StyStatus sty_find_style(const char *what, const char *text, const StyLoadedBundle *bundle, int *out, StyError *error) {
+  const int count = (int)json_array_size(json_object_get(bundle->index.root, "styles"));
+  for (int number = 1; number <= count; number++)
+    if (strcmp(sty_get_style_name(bundle, number), text) == 0) {
+      *out = number;
       return STY_OK;
     }
-  }
   long long number;
-  if (sty_parse_integer(what, text, 1, (long long)count, &number, NULL))
-    return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected a style's name or a number from 1 to %zu", what,
-                    text, count);
+  if (sty_parse_integer(what, text, 1, count, &number, NULL)) {
+    char names[256];
+    list_names(bundle, count, names, sizeof names);
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found '%s', expected a style's name (%s) or a number from 1 to %d",
+                    what, text, names, count);
+  }
   *out = (int)number;
   return STY_OK;
 }

@@ -6,17 +6,20 @@
 #include <string.h>
 
 #include "base/contain.h"
+#include "base/memory.h"
 #include "scene/corners.h"
 #include "scene/import.h"
 #include "scene/normals.h"
 #include "scene/picture.h"
 #include "scene/ply.h"
+#include "stylut/ceilings.h"
 #include "stylut/file.h"
 
 static const double DEFAULT_CREASE_ANGLE = 60;
 
 /* What an import may take: good files need a small part of it. */
 static const double LEAST_SECONDS = 20, BYTES_PER_SECOND = 4e6;
+static const double LEAST_ADDRESSES = 200e6, ADDRESSES_PER_BYTE = 16; /* and what they take, where addresses are few */
 static const double LEAST_BYTES = 2.0 * 1024 * 1024 * 1024, MEMORY_PER_BYTE = 64;
 
 typedef struct Reading {
@@ -143,10 +146,15 @@ static StyStatus run_importer(const char *path, bool keep_normals, StyMesh **out
   uint64_t size = 0;
   Reading reading = {path, keep_normals, NULL};
   sty_check_file(path, &size, NULL); /* what is wrong with it, the import says */
+  const double room = sty_get_address_room(), needed = LEAST_ADDRESSES + (double)size * ADDRESSES_PER_BYTE;
+  if (room < needed) return sty_fail_memory(error, path, needed);
+  const double seconds = sty_get_ceiling(STY_CEILING_IMPORT_SECONDS), bytes = sty_get_ceiling(STY_CEILING_IMPORT_BYTES);
   StyContained contained = {.name = path,
                             .worker = "the importer",
-                            .seconds = LEAST_SECONDS + (double)size / BYTES_PER_SECOND,
-                            .bytes = fmax(LEAST_BYTES, (double)size * MEMORY_PER_BYTE),
+                            .seconds = seconds > 0 ? seconds : LEAST_SECONDS + (double)size / BYTES_PER_SECOND,
+                            .bytes = bytes > 0 ? bytes : fmax(LEAST_BYTES, (double)size * MEMORY_PER_BYTE),
+                            .more_seconds = "--limit import-seconds=N",
+                            .more_bytes = "--limit import-bytes=N",
                             .work = import_mesh,
                             .send = send_mesh,
                             .receive = receive_mesh,

@@ -69,7 +69,8 @@ static StyStatus receive(void *context, StyPipe *pipe, StyError *error) {
 
 static StyStatus run(Deed deed, size_t size, double seconds, Job *job, StyError *error) {
   *job = (Job){.deed = deed, .size = size};
-  StyContained contained = {"some.file", "the worker", seconds, 256e6, work, send, receive, job, 0};
+  StyContained contained = {"some.file", "the worker", "more time", "more memory", seconds, 256e6,
+                            work,        send,         receive,     job,           0};
   *error = (StyError){STY_OK, ""};
   const StyStatus status = sty_run_contained(&contained, error);
   job->peak_bytes = contained.peak_bytes;
