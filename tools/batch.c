@@ -5,14 +5,24 @@
 #include <unistd.h>
 
 #include "commands.h"
+#include "stylut/parse.h"
 
-enum { KEY_JUNIT = 0x400, KEY_CHECK };
+static const char *const executors[] = {"ninja", "slurm", NULL};
+
+enum { KEY_JUNIT = 0x400, KEY_CHECK, KEY_EXECUTOR, KEY_SBATCH };
 static const struct argp_option options_table[] = {
     {"keep-going", 'k', NULL, 0, "go on with what doesn't need a step that failed, and say all failures at the end",
      UNRECORDED},
     {"check", KEY_CHECK, NULL, 0,
      "audit every table, hold it to its style's \"check\", and pack no bundle of which one fails", UNRECORDED},
     {"junit", KEY_JUNIT, "FILE.xml", 0, "write what came of each step as JUnit XML, for CI", UNRECORDED},
+    {"executor", KEY_EXECUTOR, "ninja|slurm", 0,
+     "who does the steps: ninja, on this machine (default), or Slurm, as job arrays on a cluster that shares the "
+     "folder; "
+     "-j then is the CPUs of a step that uses several (default: 1)",
+     UNRECORDED},
+    {"sbatch", KEY_SBATCH, "OPTION", 0, "an option for Slurm's sbatch, as --partition=main; may be repeated",
+     UNRECORDED},
     {0}};
 
 static StyStatus add_manifest(BatchArguments *arguments, const char *text) {
@@ -24,10 +34,19 @@ static StyStatus add_manifest(BatchArguments *arguments, const char *text) {
   return STY_OK;
 }
 
+static StyStatus add_sbatch(BatchArguments *arguments, const char *text) {
+  if (arguments->sbatch_count == MOST_SBATCH)
+    return sty_fail(&arguments->making.options.error, STY_ERROR_USAGE,
+                    "--sbatch: found more than %d, expected at most that", MOST_SBATCH);
+  arguments->sbatch[arguments->sbatch_count++] = text;
+  return STY_OK;
+}
+
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   BatchArguments *arguments = state->input;
   Options *options = &arguments->making.options;
   StyStatus status = STY_OK;
+  const OptionNeed sbatch_need = {"sbatch", arguments->executor == BY_SLURM, "--executor slurm"};
   begin_option(key, text, state);
   switch (key) {
     case ARGP_KEY_INIT: return 0;
@@ -35,10 +54,15 @@ static error_t parse_option(int key, char *text, struct argp_state *state) {
     case ARGP_KEY_END:
       status = require_argument(options, arguments->manifest_count ? "" : NULL, "one or more manifests");
       if (!status) status = require_output(options);
+      if (!status) status = check_needs(options, &sbatch_need, 1);
       if (!status && arguments->junit) status = require_folder(options, arguments->junit);
       break;
     case 'k': arguments->keep_going = true; break;
     case KEY_CHECK: arguments->check = true; break;
+    case KEY_EXECUTOR:
+      status = sty_parse_choice("--executor", text, executors, &arguments->executor, &options->error);
+      break;
+    case KEY_SBATCH: status = add_sbatch(arguments, text); break;
     case KEY_JUNIT: arguments->junit = text; break;
     default: return ARGP_ERR_UNKNOWN;
   }
@@ -78,7 +102,7 @@ static StyStatus do_plan(Plan *plan, StyError *error) {
     return STY_OK;
   }
   StyStatus status = write_plan(plan, error);
-  if (!status) status = run_plan(plan, dry, error);
+  if (!status) status = (plan->arguments->executor == BY_SLURM ? run_by_slurm : run_by_ninja)(plan, dry, error);
   if (!status && !dry) prune_tables(plan);
   return status;
 }

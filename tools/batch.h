@@ -5,18 +5,27 @@
 #include "batch_inputs.h"
 #include "pack.h"
 
+enum { MOST_SBATCH = 32 };
+typedef enum Executor { BY_NINJA, BY_SLURM } Executor;
+
 typedef struct BatchArguments {
   PackArguments making;
   const char **manifests;
   int manifest_count;
   bool keep_going, check;
-  const char *junit; /* or NULL */
+  const char *junit;               /* or NULL */
+  int executor;                    /* an Executor */
+  const char *sbatch[MOST_SBATCH]; /* options for sbatch, as they are */
+  int sbatch_count;
 } BatchArguments;
 
 typedef enum StepState { STEP_LEFT, STEP_DONE, STEP_FAILED } StepState;
 
 typedef struct PlannedStep {
-  char *what; /* "lut of 'pencil'" */
+  char *what;                     /* "table of 'pencil'" */
+  char *recipe;                   /* the work folder's file; NULL: what couldn't be planned */
+  json_t *makes, *takes, *awaits; /* files; the last must be there, but their contents are no matter */
+  bool is_wide;                   /* uses all threads, or much memory */
   int bundle;
   StepState state;
   StyStatus code; /* exit code, where it failed */
@@ -46,6 +55,8 @@ typedef struct Plan {
 #define STAMPS "inputs"
 #define SHARED_TABLES "tables"
 
+void free_step(PlannedStep *step);
+
 /* What a step that failed ends with: its exit code follows. */
 #define STEP_EXIT "stylut: exit "
 
@@ -57,9 +68,13 @@ void close_plan(Plan *plan);
 /* Writes it into the work folder. */
 StyStatus write_plan(Plan *plan, StyError *error);
 
-/* Has ninja do what is to be done. Steps that fail aren't a failure of this: they are marked so. STY_ERROR_UNAVAILABLE
- * where ninja isn't found. */
-StyStatus run_plan(Plan *plan, bool dry, StyError *error);
+/* Have ninja or Slurm do what is to be done. Steps that fail aren't a failure of this: they are marked so.
+ * STY_ERROR_UNAVAILABLE where their programs aren't found, or don't work. */
+StyStatus run_by_ninja(Plan *plan, bool dry, StyError *error);
+StyStatus run_by_slurm(Plan *plan, bool dry, StyError *error);
+
+/* What steps find in the environment: the tool, threads of wide ones, limits. */
+StyStatus set_step_environment(const Plan *plan, StyError *error);
 
 /* Removes tables that no style has any more. */
 void prune_tables(const Plan *plan);

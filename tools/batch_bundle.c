@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "batch_graph.h"
+#include "inside.h"
 #include "stylut/scene_file.h"
 
 /* ---- a bundle ---- */
@@ -205,6 +206,7 @@ static StyStatus plan_guide(Bundle *bundle, int number, StyError *error) {
   if (!is_sphere(style) && sty_is_scene_file(style->guide)) {
     json_object_set_new(recipe, "depfile", json_string(depfile));
     json_object_set_new(recipe, "inputs", json_string(STAMPS));
+    if (bundle->packing->root) json_object_set_new(recipe, "root", json_string(bundle->packing->root));
     edge.depfile = depfile;
     edge.is_wide = true;
   }
@@ -429,13 +431,35 @@ static StyStatus plan_steps(Bundle *bundle, StyError *error) {
   return status ? status : plan_whole(bundle, error);
 }
 
+static void look_at_exemplars(const Bundle *bundle) {
+  const StyManifest *manifest = &bundle->packing->manifest;
+  const StyRun run = {.threads = bundle->packing->arguments->options.threads};
+  char **paths = calloc((size_t)manifest->style_count * STY_MAX_LIGHTINGS, sizeof *paths);
+  int count = 0;
+  for (int i = 0; paths && i < manifest->style_count; i++)
+    for (int k = 0; k < manifest->styles[i].parameters.layer_count; k++)
+      if ((paths[count] = find_file(bundle->packing, manifest->styles[i].exemplars[k], NULL))) count++;
+  if (paths) look_at_pictures(&bundle->plan->inputs, paths, count, &run);
+  for (int i = 0; i < count; i++) free(paths[i]);
+  free(paths);
+}
+
 static StyStatus plan_manifest(Bundle *bundle, const char *path, StyError *error) {
   Packing *packing = bundle->packing;
   const StyManifestStyle *fixed_by = NULL;
   StyStatus status = sty_read_manifest(path, &packing->manifest, error);
   if (!status) status = check_manifest(packing, error);
+  if (!status) status = check_paths(packing, error);
   if (!status && !(bundle->root = realpath(packing->manifest.folder, NULL)))
     status = sty_fail(error, STY_ERROR_FILE, "%s: cannot find its folder: %s", path, strerror(errno));
+  /* From here on files have the names that recipes have for them, so that each is known once. */
+  char *folder = status ? NULL : strdup(bundle->root);
+  if (!status && !folder) status = sty_fail_memory(error, path, 0);
+  if (folder) {
+    free(packing->manifest.folder);
+    packing->manifest.folder = folder;
+  }
+  if (!status) look_at_exemplars(bundle);
   if (!status) status = measure_exemplars(packing, error);
   for (int i = 0; !status && i < packing->manifest.style_count; i++) status = check_guide_size(bundle, i, error);
   if (!status) status = find_fixed_size(packing, &bundle->fixed_size, &fixed_by, error);
@@ -472,6 +496,7 @@ StyStatus plan_bundle(Plan *plan, int number, StyError *error) {
   for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) json_decref(lists[i]);
   sty_close_manifest(&packing->manifest);
   free(bundle.root);
+  free(packing->root);
   free(packing);
   return status;
 }

@@ -60,37 +60,40 @@ Edge begin_edge(json_t *recipe, const char *recipe_name) {
 
 void add_name(json_t *names, const char *name) { json_array_append_new(names, json_string(name)); }
 
-static StyStatus add_step(Plan *plan, int bundle, const char *what, StyError *error) {
+void free_step(PlannedStep *step) {
+  free(step->what);
+  free(step->recipe);
+  free(step->said);
+  json_decref(step->makes);
+  json_decref(step->takes);
+  json_decref(step->awaits);
+}
+
+/* Takes all that the step has. */
+static StyStatus add_step(Plan *plan, const char *what, PlannedStep *step, StyError *error) {
   if (plan->step_count == plan->step_room) {
     const int room = plan->step_room ? 2 * plan->step_room : 64;
     PlannedStep *steps = realloc(plan->steps, (size_t)room * sizeof *steps);
-    if (!steps) return sty_fail_memory(error, "plan", (double)room * sizeof *steps);
-    plan->steps = steps;
-    plan->step_room = room;
+    if (steps) plan->step_room = room;
+    if (steps) plan->steps = steps;
   }
-  char *copy = strdup(what);
-  if (!copy) return sty_fail_memory(error, "plan", (double)strlen(what));
-  plan->steps[plan->step_count++] = (PlannedStep){.what = copy, .bundle = bundle};
-  return STY_OK;
+  step->what = strdup(what);
+  if (step->what && plan->step_count < plan->step_room) {
+    plan->steps[plan->step_count++] = *step;
+    return STY_OK;
+  }
+  free_step(step);
+  return sty_fail_memory(error, "plan", (double)(plan->step_count + 1) * sizeof *step);
 }
 
 StyStatus add_failure(Plan *plan, int bundle, StyStatus code, StyError *error) {
-  const StyStatus status = add_step(plan, bundle, "plan", error);
-  if (status) return status;
-  PlannedStep *step = &plan->steps[plan->step_count - 1];
-  step->state = STEP_FAILED;
-  step->code = code;
-  if (asprintf(&step->said, "stylut: error: %s\n", error->text) < 0) step->said = NULL;
+  PlannedStep step = {.bundle = bundle, .state = STEP_FAILED, .code = code};
+  if (asprintf(&step.said, "stylut: error: %s\n", error->text) < 0) step.said = NULL;
   error->status = STY_OK;
-  return STY_OK;
+  return add_step(plan, "plan", &step, error);
 }
 
-StyStatus put_edge(Plan *plan, int bundle, const char *what, Edge *edge, StyError *error) {
-  StyStatus status = edge->status;
-  if (status)
-    json_decref(edge->recipe);
-  else
-    status = put_recipe(plan, edge->recipe_name, edge->recipe, error);
+static void put_build(Plan *plan, const Edge *edge) {
   fprintf(plan->ninja, "build");
   put_names(plan, edge->outputs);
   fprintf(plan->ninja, ": step ");
@@ -102,9 +105,27 @@ StyStatus put_edge(Plan *plan, int bundle, const char *what, Edge *edge, StyErro
   fprintf(plan->ninja, "\n  what = %d\n", plan->step_count);
   if (edge->depfile) fprintf(plan->ninja, "  made_of = %s\n", edge->depfile);
   if (edge->is_wide) fprintf(plan->ninja, "  pool = wide\n  threads = $$STYLUT_THREADS\n");
-  json_decref(edge->outputs);
-  json_decref(edge->inputs);
-  return status ? status : add_step(plan, bundle, what, error);
+}
+
+StyStatus put_edge(Plan *plan, int bundle, const char *what, Edge *edge, StyError *error) {
+  PlannedStep step = {.bundle = bundle,
+                      .is_wide = edge->is_wide,
+                      .recipe = strdup(edge->recipe_name),
+                      .makes = edge->outputs,
+                      .takes = edge->inputs,
+                      .awaits = json_incref((json_t *)(uintptr_t)edge->awaited)};
+  StyStatus status = edge->status;
+  if (!status && !step.recipe) status = sty_fail_memory(error, what, 0);
+  if (!status) json_object_set(edge->recipe, "makes", edge->outputs);
+  if (!status) json_object_set(edge->recipe, "takes", edge->inputs);
+  if (status)
+    json_decref(edge->recipe);
+  else
+    status = put_recipe(plan, edge->recipe_name, edge->recipe, error);
+  put_build(plan, edge);
+  if (!status) return add_step(plan, what, &step, error);
+  free_step(&step);
+  return status;
 }
 
 /* ninja keeps exit codes to itself. */
@@ -115,7 +136,7 @@ const char *const ninja_head =
     "pool wide\n"
     "  depth = 1\n"
     "rule step\n"
-    "  command = \"$$STYLUT\" step $in -j $threads || { code=$$?; echo \"" STEP_EXIT
+    "  command = \"$$STYLUT\" step --due $in -j $threads $$STYLUT_LIMITS || { code=$$?; echo \"" STEP_EXIT
     "$$code\"; exit $$code; }\n"
     "  description = $what\n"
     "  restat = 1\n"

@@ -120,6 +120,50 @@ static StyStatus measure_known(Records *records, const char *path, Size *out, St
   return status;
 }
 
+/* Pictures that are to be looked at, by all threads; what fails is asked for again, and fails, where it is needed. */
+typedef struct Looking {
+  char **paths;
+  struct Look {
+    char hash[STY_HASH_SIZE];
+    StyImageShape shape;
+    bool is_hashed, is_measured;
+  } * looks;
+} Looking;
+
+static StyStatus look_at_picture(void *context, long i, StyError *error) {
+  const Looking *looking = context;
+  struct Look *look = &looking->looks[i];
+  (void)error;
+  look->is_hashed = sty_hash_file(looking->paths[i], look->hash, NULL) == STY_OK;
+  look->is_measured = look->is_hashed && sty_read_image_shape(looking->paths[i], &look->shape, NULL) == STY_OK;
+  return STY_OK;
+}
+
+static bool is_known(Inputs *inputs, const char *path) {
+  json_t *known = get_known(inputs, path);
+  const bool is = json_object_get(known, "sha256") && json_object_get(known, "size");
+  json_decref(known);
+  return is;
+}
+
+void look_at_pictures(Inputs *inputs, char **paths, int count, const StyRun *run) {
+  Looking looking = {calloc((size_t)count + 1, sizeof *paths), calloc((size_t)count + 1, sizeof *looking.looks)};
+  int wanted = 0;
+  for (int i = 0; looking.paths && looking.looks && i < count; i++)
+    if (!is_known(inputs, paths[i])) looking.paths[wanted++] = paths[i];
+  sty_parallel_for(run, wanted, look_at_picture, &looking, NULL);
+  for (int i = 0; i < wanted; i++) {
+    const struct Look *look = &looking.looks[i];
+    json_t *known = get_known(inputs, looking.paths[i]);
+    if (look->is_hashed) json_object_set_new(known, "sha256", json_string(look->hash));
+    if (look->is_measured)
+      json_object_set_new(known, "size", json_pack("[i,i]", look->shape.width, look->shape.height));
+    json_decref(known);
+  }
+  free(looking.looks);
+  free(looking.paths);
+}
+
 StyStatus open_inputs(const char *file, Inputs *out, StyError *error) {
   StyDocument document = {NULL, NULL, NULL};
   *out = (Inputs){.records = {hash_known, measure_known}, .file = strdup(file), .fresh = json_object()};

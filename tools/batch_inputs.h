@@ -29,6 +29,9 @@ typedef struct Inputs {
   bool is_new;     /* something was learned */
 } Inputs;
 
+/* Hashes and measures pictures that aren't known, by all threads, so that it is done when they are asked for. */
+void look_at_pictures(Inputs *inputs, char **paths, int count, const StyRun *run);
+
 /* A file that is missing or isn't as it should be is as if nothing were known. */
 StyStatus open_inputs(const char *file, Inputs *out, StyError *error);
 StyStatus save_inputs(Inputs *inputs, StyError *error);

@@ -39,7 +39,7 @@ static StyStatus add_bundle(Plan *plan, int number, FILE *whole, StyError *error
   if (!status) fputs(text, whole);
   free(text);
   if (status) {
-    while (plan->step_count > before) free(plan->steps[--plan->step_count].what);
+    while (plan->step_count > before) free_step(&plan->steps[--plan->step_count]);
     json_object_clear(plan->guides);
     json_object_update(plan->guides, guides);
   }
@@ -102,10 +102,7 @@ StyStatus open_plan(BatchArguments *arguments, Plan *out, StyError *error) {
 }
 
 void close_plan(Plan *plan) {
-  for (int i = 0; i < plan->step_count; i++) {
-    free(plan->steps[i].what);
-    free(plan->steps[i].said);
-  }
+  for (int i = 0; i < plan->step_count; i++) free_step(&plan->steps[i]);
   for (int i = 0; plan->bundles && i < plan->bundle_count; i++) {
     free(plan->bundles[i].manifest);
     free(plan->bundles[i].name);

@@ -10,23 +10,27 @@
 
 #include "batch.h"
 #include "spawn.h"
+#include "stylut/ceilings.h"
 
 /* Before each line that says how far it is: "done all step". */
 #define MARK "\x1e"
 
 /* Where steps that use all threads find how many that is (see ninja_head). */
 #define THREADS "STYLUT_THREADS"
+/* And what they refuse files by: no reason to do anything anew. */
+#define LIMITS "STYLUT_LIMITS"
 
 enum { MOST_WORDS = 12 };
 
-static StyStatus set_environment(const Plan *plan, StyError *error) {
-  char threads[16], self[4096];
+StyStatus set_step_environment(const Plan *plan, StyError *error) {
+  char threads[16], limits[512], self[4096];
   const ssize_t length = readlink("/proc/self/exe", self, sizeof self - 1);
   if (length < 0) return sty_fail(error, STY_ERROR_LIBRARY, "/proc/self/exe: cannot read: %s", strerror(errno));
   self[length] = 0;
   snprintf(threads, sizeof threads, "%d",
            sty_get_threads(&(StyRun){.threads = plan->arguments->making.options.threads}));
-  if (setenv("STYLUT", self, 1) == 0 && setenv(THREADS, threads, 1) == 0 &&
+  sty_list_ceilings("--limit ", limits, sizeof limits);
+  if (setenv("STYLUT", self, 1) == 0 && setenv(LIMITS, limits, 1) == 0 && setenv(THREADS, threads, 1) == 0 &&
       setenv("NINJA_STATUS", MARK "%f %t ", 1) == 0)
     return STY_OK;
   return sty_fail_memory(error, "environment", 0);
@@ -83,12 +87,13 @@ static void hear_line(Listening *ear, const char *line) {
   }
 }
 
-StyStatus run_plan(Plan *plan, bool dry, StyError *error) {
+StyStatus run_by_ninja(Plan *plan, bool dry, StyError *error) {
   pid_t child = 0;
   FILE *said = NULL;
-  StyStatus status = set_environment(plan, error);
+  StyStatus status = set_step_environment(plan, error);
   if (!status) status = start_ninja(plan, dry, &child, &said, error);
   if (status) return status;
+  sty_end_together(child);
   Listening ear = {.plan = plan, .run = begin_progress(&plan->arguments->making.options, "batch")};
   char *line = NULL;
   size_t room = 0;
@@ -97,6 +102,7 @@ StyStatus run_plan(Plan *plan, bool dry, StyError *error) {
   fclose(said);
   end_progress(&plan->arguments->making.options);
   int state = 0;
+  sty_end_together(0);
   while (waitpid(child, &state, 0) < 0)
     if (errno != EINTR) return sty_fail(error, STY_ERROR_LIBRARY, "ninja: lost it: %s", strerror(errno));
   if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return STY_OK;

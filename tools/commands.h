@@ -29,6 +29,7 @@ StyStatus run_compare(int argc, char **argv);
 StyStatus run_probe(int argc, char **argv);
 StyStatus run_chart(int argc, char **argv);
 StyStatus run_doctor(int argc, char **argv);
+StyStatus run_init(int argc, char **argv);
 StyStatus run_bench(int argc, char **argv);
 
 #endif

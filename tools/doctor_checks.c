@@ -202,7 +202,7 @@ static StyStatus check_frames(const char *folder, StyError *error) {
     status = compare_frames(&bundle.bundle, guide, error);
     sty_unload_bundle(&bundle);
   }
-  if (path) sty_remove_bundle(path);
+  if (path) sty_remove_temporary_folder(path);
   sty_destroy_image(&sphere);
   sty_destroy_image(&encoded);
   free(path);

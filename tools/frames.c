@@ -3,7 +3,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
+#include "sequence.h"
 #include "stylut/guide.h"
 #include "stylut/image_io.h"
 
@@ -95,10 +97,21 @@ static int read_id(float value, int most, size_t *foreign) {
   return is_one ? (int)value : 0;
 }
 
+/* Luminance as it would be if all were white: what chooses lightings and bands is light, not paint. */
+static void fill_luma(const StyImage *image, uint8_t *out) {
+  const float *luma = sty_find_channel(image, "luma.Y");
+  const float *r = sty_find_channel(image, "albedo.R"), *g = sty_find_channel(image, "albedo.G"),
+              *b = sty_find_channel(image, "albedo.B");
+  for (size_t i = 0; i < sty_count_pixels(image); i++) {
+    const float albedo = r && g && b ? 0.2126f * r[i] + 0.7152f * g[i] + 0.0722f * b[i] : 1;
+    out[i] = (uint8_t)round_share(albedo > 0 ? luma[i] / albedo : luma[i], 255);
+  }
+}
+
 static void fill_values(const StyImage *image, FilledFrame *out) {
   const float *x = sty_find_channel(image, "normal.X"), *y = sty_find_channel(image, "normal.Y");
   const float *depth = sty_find_channel(image, "depth.Z"), *ids = sty_find_channel(image, "style.I");
-  const float *luma = sty_find_channel(image, "luma.Y"), *objects = sty_find_channel(image, "object.I");
+  const float *objects = sty_find_channel(image, "object.I");
   for (size_t i = 0; i < sty_count_pixels(image); i++) {
     if (out->fine) out->fine[2 * i] = x[i], out->fine[2 * i + 1] = y[i];
     if (out->depth) out->depth[i] = depth[i];
@@ -106,10 +119,10 @@ static void fill_values(const StyImage *image, FilledFrame *out) {
     size_t none = 0;
     if (out->styles)
       out->styles[i] = (uint8_t)(ids ? read_id(ids[i], 255, is_covered ? &out->foreign_styles : &none) : 0);
-    if (out->luma) out->luma[i] = (uint8_t)round_share(luma[i], 255);
     if (out->objects)
       out->objects[i] = (uint16_t)read_id(objects[i], 65535, is_covered ? &out->foreign_objects : &none);
   }
+  if (out->luma) fill_luma(image, out->luma);
   if (out->albedo) fill_albedo(image, out->albedo);
 }
 
@@ -134,7 +147,9 @@ StyStatus require_frame(Options *options, const char *guide) {
   StyImageFormat format;
   if (!guide)
     return sty_fail(&options->error, STY_ERROR_USAGE, "option '--guide': found none, expected the frame's guide");
-  const StyStatus status = require_output(options);
+  StyStatus status = require_output(options);
+  if (!status && access(guide, F_OK) != 0)
+    status = refuse_pattern("--guide", guide, "one frame's guide", &options->error);
   if (status) return status;
   if (sty_get_image_format(options->output, &format, NULL) || format != STY_IMAGE_PNG)
     return sty_fail(&options->error, STY_ERROR_USAGE,

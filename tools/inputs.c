@@ -1,13 +1,25 @@
 #include "inputs.h"
 
 #include <string.h>
+#include <unistd.h>
 
 #include "stylut/file.h"
 #include "stylut/image_io.h"
+#include "stylut/mesh.h"
+#include "stylut/scene_file.h"
+
+/* A mesh or a scene, which isn't seen from anywhere yet. */
+static bool is_model(const char *path) {
+  return access(path, F_OK) == 0 && (sty_is_scene_file(path) || sty_is_mesh_file(path));
+}
 
 static StyStatus import_guide(const char *path, StyImage **out, StyError *error) {
   StyImage *image = NULL;
-  StyStatus status = sty_read_image(path, &image, error);
+  StyStatus status = !is_model(path) ? sty_read_image(path, &image, error)
+                                     : sty_fail(error, STY_ERROR_INPUT,
+                                                "%s: found a scene, expected a guide, as 'stylut guide scene' makes "
+                                                "of one",
+                                                path);
   if (!status) status = sty_import_guide(path, &image, error);
   if (status)
     sty_destroy_image(&image);

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "stylut/ceilings.h"
 #include "stylut/file.h"
 #include "stylut/image_io.h"
 #include "stylut/parse.h"
@@ -17,6 +18,7 @@
 enum {
   KEY_FORMAT = 0x100,
   KEY_PROGRESS,
+  KEY_LIMIT,
   KEY_DRY_RUN,
   KEY_NO_HISTORY,
   KEY_SEED,
@@ -53,6 +55,7 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
     case KEY_PROGRESS:
       status = sty_parse_choice("--progress", argument, progress_modes, &options->progress, &options->error);
       break;
+    case KEY_LIMIT: status = sty_set_ceiling("--limit", argument, &options->error); break;
     default: return ARGP_ERR_UNKNOWN;
   }
   options->reached = state->next;
@@ -68,6 +71,10 @@ static const struct argp_option common_options[] = {
     {"format", KEY_FORMAT, "text|json", 0, "how results are printed (default: text)", 0},
     {"progress", KEY_PROGRESS, "auto|bar|json|none", 0,
      "progress of long work on stderr, by stage, with the time left (default: a bar on a terminal)", 0},
+    {"limit", KEY_LIMIT, "NAME=N", 0,
+     "refuse files beyond it; may be repeated: pixels of a picture (default: 268435456), json-bytes (16777216), "
+     "import-seconds and import-bytes of a mesh that isn't a binary PLY (by its size)",
+     0},
     {"help", '?', NULL, 0, "print this and do nothing", 0},
     {"usage", KEY_USAGE, NULL, 0, "print the options alone and do nothing", 0},
     {0},
@@ -341,6 +348,8 @@ static int read_digit(char c) {
 }
 
 StyStatus parse_colour(Options *options, const char *what, const char *text, uint8_t out[4]) {
+  const char *const whole = text;
+  text += *text == '#';
   const size_t length = strlen(text);
   uint8_t colour[4] = {0, 0, 0, 255};
   bool good = length == 6 || length == 8;
@@ -351,7 +360,7 @@ StyStatus parse_colour(Options *options, const char *what, const char *text, uin
   }
   if (!good)
     return sty_fail(&options->error, STY_ERROR_USAGE, "%s: found '%s', expected RRGGBB or RRGGBBAA, hexadecimal", what,
-                    text);
+                    whole);
   memcpy(out, colour, sizeof colour);
   return STY_OK;
 }
@@ -536,7 +545,8 @@ double get_peak_bytes(void) { return read_memory_line("VmHWM: %lf kB"); }
 double get_held_bytes(void) { return read_memory_line("VmRSS: %lf kB"); }
 
 StyStatus print_json(json_t *report, StyError *error) {
-  const int failed = !report || json_dumpf(report, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12)) != 0;
+  const int failed =
+      !report || json_dumpf(report, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12) | JSON_ENSURE_ASCII) != 0;
   json_decref(report);
   if (failed) return sty_fail(error, STY_ERROR_FILE, "standard output: cannot write the report");
   putchar('\n');

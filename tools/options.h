@@ -97,7 +97,7 @@ error_t parse_choice_option(Options *options, const ChoiceOption *choices, int c
 StyStatus parse_picture_size(Options *options, const char *text, int *width, int *height);
 StyStatus parse_bits(Options *options, const char *text, int *bits);
 
-/* RRGGBB, or RRGGBBAA, hexadecimal. */
+/* RRGGBB, or RRGGBBAA, hexadecimal, with or without # before it. */
 StyStatus parse_colour(Options *options, const char *what, const char *text, uint8_t out[4]);
 
 /* Puts the command's one argument into *slot; a second one is an error. */

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "commands.h"
+#include "inside.h"
 #include "parameters.h"
 #include "stylut/guide.h"
 #include "stylut/parse.h"
@@ -14,7 +15,7 @@ _Static_assert(STY_MAX_LUT_SIDE == STY_MAX_LUT_SIZE, "a bundle holds every squar
 
 const char *const fit_names[] = {"none", "resize", "pad", NULL};
 
-enum { KEY_FIT = 0x180, KEY_JITTER_FRAMES, KEY_JITTER_NOISE };
+enum { KEY_FIT = 0x180, KEY_JITTER_FRAMES, KEY_JITTER_NOISE, KEY_ALLOW_OUTSIDE };
 static const struct argp_option making_options[] = {
     {"fit", KEY_FIT, "HOW", 0,
      "exemplars of differing sizes: none (default) refuses them, resize filters them to the largest width and height, "
@@ -28,6 +29,8 @@ static const struct argp_option making_options[] = {
      "takes "
      "about a second a table",
      0},
+    {"allow-outside", KEY_ALLOW_OUTSIDE, NULL, 0,
+     "take files from outside of the manifest's folder, which are refused else, as are links that lead there", 0},
     {0}};
 
 static error_t parse_making(int key, char *text, struct argp_state *state) {
@@ -35,7 +38,7 @@ static error_t parse_making(int key, char *text, struct argp_state *state) {
   StyError *error = &arguments->options.error;
   StyStatus status = STY_OK;
   long long frames = 0;
-  if (key < KEY_FIT || key > KEY_JITTER_NOISE) return ARGP_ERR_UNKNOWN;
+  if (key < KEY_FIT || key > KEY_ALLOW_OUTSIDE) return ARGP_ERR_UNKNOWN;
   begin_option(key, text, state);
   switch (key) {
     case KEY_JITTER_FRAMES:
@@ -45,6 +48,7 @@ static error_t parse_making(int key, char *text, struct argp_state *state) {
     case KEY_JITTER_NOISE:
       status = sty_parse_choice("--jitter-noise", text, sty_noise_names, &arguments->jitter_noise, error);
       break;
+    case KEY_ALLOW_OUTSIDE: arguments->allow_outside = true; break;
     default: status = sty_parse_choice("--fit", text, fit_names, &arguments->fit, error); break;
   }
   return end_option(status);
@@ -129,13 +133,19 @@ static bool is_same_table(const Packing *packing, const Prepared *a, const Prepa
 /* Share of a guide without paint that no exemplar of the same picture has; paint without guide is common: canvas. */
 static const double most_unpainted = 0.25;
 
-void review_overlap(const Options *options, const StyManifestStyle *style, const Overlap *overlap) {
+void review_overlap(const Packing *packing, const Options *options, int number, const Overlap *overlap) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const Size size = packing->sizes[number];
   const double unpainted = 1 - (double)overlap->painted / (double)(overlap->guided ? overlap->guided : 1);
   if (unpainted > most_unpainted)
     warn(options,
          "style '%s': found %.0f %% of what its guide covers without paint, expected the guide of the scene that was "
          "painted",
          clean_text(style->name), 100 * unpainted);
+  if (is_sphere(style) && size.width != size.height)
+    warn(options,
+         "style '%s': found an exemplar of %dx%d pixels, whose guide is an ellipse then, expected a square one",
+         clean_text(style->name), size.width, size.height);
 }
 
 void review_holes(const Options *options, const StyManifestStyle *style, size_t holes) {
@@ -159,7 +169,7 @@ static StyStatus prepare_style(const Packing *packing, int number, bool tables, 
   close_prepared(prepared);
   *prepared = next;
   if (status) return status;
-  review_overlap(&packing->arguments->options, prepared->style, &prepared->source.overlap);
+  review_overlap(packing, &packing->arguments->options, number, &prepared->source.overlap);
   review_holes(&packing->arguments->options, prepared->style, prepared->table.holes);
   return STY_OK;
 }
@@ -399,7 +409,9 @@ static StyStatus pack(Packing *packing, json_t *styles, StyError *error) {
   if (!status) status = settle_lut_size(packing, error);
   if (!status) status = get_jitters(packing, &jitters, error);
   const StyBundleShape shape = get_shape(packing);
-  if (!status && !options->dry_run) status = sty_open_bundle_writer(options->output, &shape, &writer, error);
+  if (!status)
+    status = options->dry_run ? sty_check_bundle_place(options->output, error)
+                              : sty_open_bundle_writer(options->output, &shape, &writer, error);
   if (!status) status = write_styles(packing, writer, styles, error);
   if (!status && writer) status = sty_commit_bundle(&writer, jitters, index, error);
   sty_discard_bundle(&writer);
@@ -418,12 +430,14 @@ static StyStatus run(PackArguments *arguments) {
   packing->guides = json_object();
   StyStatus status = sty_read_manifest(arguments->manifest, &packing->manifest, error);
   if (!status) status = check_manifest(packing, error);
+  if (!status) status = check_paths(packing, error);
   json_t *styles = json_array();
   if (!status) status = pack(packing, styles, error);
   if (!status) status = print_report(&arguments->options, packing, styles, sty_get_milliseconds() - start, error);
   json_decref(styles);
   sty_close_manifest(&packing->manifest);
   json_decref(packing->guides);
+  free(packing->root);
   free(packing);
   return status;
 }

@@ -16,12 +16,13 @@ extern const char *const fit_names[]; /* NULL behind the last */
 typedef struct PackArguments {
   Options options;
   const char *manifest;
-  int fit;           /* a Fit: what becomes of exemplars of differing sizes */
-  int jitter_frames; /* tables to be drawn, */
-  int jitter_noise;  /* by a StyNoise */
+  int fit;            /* a Fit: what becomes of exemplars of differing sizes */
+  int jitter_frames;  /* tables to be drawn, */
+  int jitter_noise;   /* by a StyNoise */
+  bool allow_outside; /* files may be outside of the manifest's folder */
 } PackArguments;
 
-extern const struct argp making_argp; /* --fit --jitter-frames --jitter-noise */
+extern const struct argp making_argp; /* --fit --jitter-frames --jitter-noise --allow-outside */
 
 typedef struct Size {
   int width, height;
@@ -38,6 +39,7 @@ typedef struct Packing {
   const char *command; /* for the history: "pack" or "batch" */
   Records *records;    /* NULL: nobody */
   StyManifest manifest;
+  char *root;                 /* folder, links followed, that all files must be in; NULL: anywhere. Owned. */
   Size sizes[STY_MAX_STYLES]; /* of each style's exemplars, as their files have them */
   Size size;                  /* that all have in the bundle */
   int lut_size;
@@ -87,8 +89,8 @@ void close_source(Source *source);
 /* The parts of a source. All have the bundle's size.
  * RGBA of a style's exemplars, which the caller frees, also after a failure; */
 StyStatus read_exemplars(const Packing *packing, int style, uint8_t *layers[STY_MAX_LIGHTINGS], StyError *error);
-/* 255 where all of them have paint, else 0, a byte a pixel; */
-void find_painted(const uint8_t *const *layers, int lightings, size_t pixels, uint8_t *painted);
+/* 255 where all of them have paint, else 0, a byte a pixel; STY_ERROR_INPUT where that is nowhere; */
+StyStatus find_painted(const Packing *packing, int style, uint8_t *const *layers, uint8_t *painted, StyError *error);
 /* A and normals, as the guide has them, */
 StyStatus get_guide(const Packing *packing, int style, StyImage **out, StyError *error);
 /* and less what isn't painted; */
@@ -100,7 +102,7 @@ StyStatus make_bases(const Packing *packing, int style, const StyImage *guide, u
                      StyError *error);
 
 /* Warn of guides without much paint, and of tables that point where none is. */
-void review_overlap(const Options *options, const StyManifestStyle *style, const Overlap *overlap);
+void review_overlap(const Packing *packing, const Options *options, int style, const Overlap *overlap);
 void review_holes(const Options *options, const StyManifestStyle *style, size_t holes);
 
 /* Reads a picture as RGBA bytes, which the caller frees. */

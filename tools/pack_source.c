@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "inputs.h"
+#include "inside.h"
 #include "pack.h"
 #include "stylut/image_io.h"
 #include "stylut/scene_file.h"
@@ -173,6 +174,28 @@ static StyStatus record_scene(const Packing *packing, const StyScene *scene, Sty
   return status;
 }
 
+/* Before any of them is read. What else is wrong with the scene, its reader says. */
+static StyStatus check_meshes(const Packing *packing, const char *path, StyError *error) {
+  StyDocument scene;
+  char *folder = sty_get_folder(path);
+  const json_t *object;
+  size_t i;
+  StyStatus status = folder ? STY_OK : sty_fail_memory(error, path, 0);
+  if (status || sty_read_document(path, &scene, NULL) != STY_OK) {
+    free(folder);
+    return status;
+  }
+  json_array_foreach(json_object_get(scene.root, "objects"), i, object) {
+    const char *name = json_string_value(json_object_get(object, "mesh"));
+    char *mesh = name && !status ? sty_join_path(folder, name) : NULL;
+    if (mesh) status = check_inside(packing, path, mesh, error);
+    free(mesh);
+  }
+  sty_close_document(&scene);
+  free(folder);
+  return status;
+}
+
 static StyStatus trace_scene(const Packing *packing, const char *path, Size size, StyImage **out, StyError *error) {
   const StyMeshOptions mesh_options = {.crease_angle = -1};
   const StyRun run = {.threads = packing->arguments->options.threads};
@@ -180,7 +203,8 @@ static StyStatus trace_scene(const Packing *packing, const char *path, Size size
   StyScene *scene = NULL;
   StyViewpoint viewpoint;
   StyCamera camera;
-  StyStatus status = sty_read_scene(path, &mesh_options, &scene, &viewpoint, error);
+  StyStatus status = check_meshes(packing, path, error);
+  if (!status) status = sty_read_scene(path, &mesh_options, &scene, &viewpoint, error);
   if (status) return status;
   status = sty_set_camera(scene, &viewpoint, size.width, size.height, &camera, error);
   if (status) sty_fail(error, status, "%s: %s", path, error->text);
@@ -269,12 +293,22 @@ StyStatus read_exemplars(const Packing *packing, int number, uint8_t *layers[STY
 }
 
 /* Less than half opaque is a hole that no surface should be given. */
-void find_painted(const uint8_t *const *layers, int lightings, size_t pixels, uint8_t *painted) {
+StyStatus find_painted(const Packing *packing, int number, uint8_t *const *layers, uint8_t *painted, StyError *error) {
+  const StyManifestStyle *style = &packing->manifest.styles[number];
+  const int lightings = style->parameters.layer_count;
+  const size_t pixels = (size_t)packing->size.width * (size_t)packing->size.height;
+  bool any = false;
   for (size_t i = 0; i < pixels; i++) {
     painted[i] = 255;
     for (int k = 0; k < lightings; k++)
       if (layers[k][4 * i + 3] < 128) painted[i] = 0;
+    any = any || painted[i];
   }
+  if (any) return STY_OK;
+  return sty_fail(error, STY_ERROR_INPUT,
+                  "style '%s': found no paint in exemplar %s, expected pixels that are at least "
+                  "half opaque%s",
+                  style->name, style->exemplars[0], lightings > 1 ? " in all its exemplars" : "");
 }
 
 Overlap uncover_unpainted(StyImage *guide, const uint8_t *painted) {
@@ -303,14 +337,14 @@ StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error) {
   return status;
 }
 
-static StyStatus mask_guide(Source *source, int lightings, StyError *error) {
+static StyStatus mask_guide(const Packing *packing, int number, Source *source, StyError *error) {
   const size_t pixels = sty_count_pixels(source->guide);
   uint8_t *painted = malloc(pixels);
   if (!painted) return sty_fail_memory(error, "guide", (double)pixels);
-  find_painted((const uint8_t *const *)source->layers, lightings, pixels, painted);
-  source->overlap = uncover_unpainted(source->guide, painted);
+  const StyStatus status = find_painted(packing, number, source->layers, painted, error);
+  if (!status) source->overlap = uncover_unpainted(source->guide, painted);
   free(painted);
-  return STY_OK;
+  return status;
 }
 
 StyStatus make_bases(const Packing *packing, int number, const StyImage *guide, uint8_t *layers[2 * STY_MAX_LIGHTINGS],
@@ -328,7 +362,7 @@ StyStatus open_source(const Packing *packing, int number, Source *out, StyError 
   Source source = {0};
   StyStatus status = get_guide(packing, number, &source.guide, error);
   if (!status) status = read_exemplars(packing, number, source.layers, error);
-  if (!status) status = mask_guide(&source, packing->manifest.styles[number].parameters.layer_count, error);
+  if (!status) status = mask_guide(packing, number, &source, error);
   if (!status) status = encode_guide(source.guide, &source.texels, error);
   if (!status) status = make_bases(packing, number, source.guide, source.layers, error);
   if (status)

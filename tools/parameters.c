@@ -40,8 +40,7 @@ void review_bundle_parameters(const Options *options, const StyLoadedBundle *bun
     if (sty_get_style(&bundle->bundle, (int)i + 1, &style)) continue;
     const char *idle = find_idle_parameter(&style, jitters);
     if (!idle || idle == said) continue;
-    const char *name = json_string_value(json_object_get(json_array_get(entries, i), "name"));
-    review_parameters(options, name ? name : "", &style, jitters);
+    review_parameters(options, sty_get_style_name(bundle, (int)i + 1), &style, jitters);
     said = idle;
   }
 }

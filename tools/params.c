@@ -1,5 +1,6 @@
 /* stylut params BUNDLE [--set [STYLE.]KEY=VALUE]... */
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "commands.h"
 #include "parameters.h"
@@ -59,11 +60,10 @@ static json_t *list_styles(const StyLoadedBundle *bundle) {
   size_t i;
   json_array_foreach(entries, i, entry) {
     StyStyle style;
-    const char *name = json_string_value(json_object_get(entry, "name"));
     if (sty_get_style(&bundle->bundle, (int)i + 1, &style)) continue;
-    json_array_append_new(
-        styles, json_pack("{s:i, s:o, s:o}", "id", (int)i + 1, "name", make_json_text(name ? name : ""), "params",
-                          sty_describe_parameters(&style)));
+    json_array_append_new(styles, json_pack("{s:i, s:o, s:o}", "id", (int)i + 1, "name",
+                                            make_json_text(sty_get_style_name(bundle, (int)i + 1)), "params",
+                                            sty_describe_parameters(&style)));
   }
   return styles;
 }
@@ -73,9 +73,8 @@ static void print_styles(const StyLoadedBundle *bundle) {
   size_t i;
   json_array_foreach(entries, i, entry) {
     StyStyle style;
-    const char *name = json_string_value(json_object_get(entry, "name"));
     if (sty_get_style(&bundle->bundle, (int)i + 1, &style)) continue;
-    printf("%zu '%s': ", i + 1, clean_text(name ? name : ""));
+    printf("%zu '%s': ", i + 1, clean_text(sty_get_style_name(bundle, (int)i + 1)));
     print_parameters(&style);
     putchar('\n');
   }
@@ -98,11 +97,19 @@ static void record_edit(const Options *options, StyLoadedBundle *bundle) {
   json_array_append_new(edits, get_command_line(options, "params"));
 }
 
+/* Whether the change could be saved. */
+static StyStatus check_place(const char *bundle, StyError *error) {
+  char *path = realpath(bundle, NULL);
+  const StyStatus status = path ? sty_check_bundle_place(path, error) : sty_fail_memory(error, bundle, 0);
+  free(path);
+  return status;
+}
+
 static StyStatus change(const Arguments *arguments, StyLoadedBundle *bundle, StyError *error) {
   const StyStatus status = apply_settings(&arguments->settings, bundle, error);
   if (status || !arguments->settings.count) return status;
   review_bundle_parameters(&arguments->options, bundle);
-  if (arguments->options.dry_run) return STY_OK;
+  if (arguments->options.dry_run) return check_place(arguments->bundle, error);
   record_edit(&arguments->options, bundle);
   return sty_save_parameters(arguments->bundle, bundle, error);
 }

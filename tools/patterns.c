@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "stylut/image_io.h"
 #include "stylut/pack.h"
@@ -73,6 +74,8 @@ static StyStatus read_pattern(const char *path, StyPattern *out, StyError *error
 bool is_own_pattern(const char *name) { return strcmp(name, "hatch") == 0 || strcmp(name, "noise") == 0; }
 
 StyStatus open_pattern(const char *name, uint64_t seed, StyPattern *out, StyError *error) {
+  if (!is_own_pattern(name) && !strchr(name, '.') && access(name, F_OK) != 0)
+    return sty_fail(error, STY_ERROR_USAGE, "--texture: found '%s', expected hatch, noise or a picture's name", name);
   if (!is_own_pattern(name)) return read_pattern(name, out, error);
   uint8_t *texels = malloc(PATTERN_SIDE * PATTERN_SIDE);
   if (!texels) return sty_fail_memory(error, name, PATTERN_SIDE * PATTERN_SIDE);

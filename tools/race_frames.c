@@ -155,10 +155,8 @@ static StyStatus open_workshop(Workshop *out, StyError *error) {
 
 static void close_workshop(const Workshop *workshop) {
   if (!*workshop->folder) return;
-  sty_remove_bundle(workshop->bundle);
-  unlink(workshop->exemplar);
-  unlink(workshop->manifest);
-  rmdir(workshop->folder);
+  sty_remove_temporary_folder(workshop->bundle);
+  sty_remove_temporary_folder(workshop->folder);
 }
 
 /* Strokes of a kind, with the sphere's outline; what they look like costs nothing. */

@@ -42,6 +42,14 @@ StyStatus find_pattern(const char *option, const char *name, bool *out, StyError
   return STY_OK;
 }
 
+StyStatus refuse_pattern(const char *option, const char *name, const char *expected, StyError *error) {
+  bool is_pattern;
+  const StyStatus status = find_pattern(option, name, &is_pattern, error);
+  if (status || !is_pattern) return status;
+  return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected no place for a number: %s", option, name,
+                  expected);
+}
+
 char *name_frame(const char *pattern, int number) {
   Place place;
   if (!find_place(pattern, 0, &place) || place.length == 0) return strdup(pattern);
@@ -108,12 +116,13 @@ static StyStatus find_on_disk(const char *pattern, Sequence *out, StyError *erro
   return status;
 }
 
-/* "A-B" or "A-BxSTEP". */
+/* "A", "A-B" or "A-BxSTEP". */
 static StyStatus read_range(const char *text, int range[3], StyError *error) {
   int length = 0;
   range[2] = 1;
-  const int found = sscanf(text, "%9d-%9d%n", &range[0], &range[1], &length);
-  bool is_fine = found == 2 && isdigit((unsigned char)*text) && range[0] <= range[1];
+  const int found = sscanf(text, "%9d%n-%9d%n", &range[0], &length, &range[1], &length);
+  if (found == 1) range[1] = range[0];
+  bool is_fine = found >= 1 && isdigit((unsigned char)*text) && range[0] <= range[1];
   if (is_fine && text[length] == 'x') {
     long long step;
     is_fine = !sty_parse_integer("--frames", text + length + 1, 1, MOST_FRAME_FILES, &step, NULL);
@@ -122,7 +131,7 @@ static StyStatus read_range(const char *text, int range[3], StyError *error) {
     is_fine = is_fine && text[length] == 0;
   }
   return is_fine ? STY_OK
-                 : sty_fail(error, STY_ERROR_USAGE, "option '--frames': found '%s', expected A-B or A-BxSTEP", text);
+                 : sty_fail(error, STY_ERROR_USAGE, "option '--frames': found '%s', expected A, A-B or A-BxSTEP", text);
 }
 
 static StyStatus check_presence(const char *pattern, int number, bool skip_missing, bool *is_there, StyError *error) {

@@ -14,6 +14,9 @@ typedef struct Sequence {
 /* Whether a name has a place for a number, %d or %0Nd. Another % is an error, as are two places. */
 StyStatus find_pattern(const char *option, const char *name, bool *out, StyError *error);
 
+/* Refuses a name that has one, for what is one file: `expected` says of what. */
+StyStatus refuse_pattern(const char *option, const char *name, const char *expected, StyError *error);
+
 /* The name of one frame; NULL without memory. The caller frees it. */
 char *name_frame(const char *pattern, int number);
 

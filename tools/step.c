@@ -5,19 +5,29 @@
 #include <string.h>
 
 #include "commands.h"
+#include "step_due.h"
 
 typedef struct Arguments {
   Options options;
   const char *recipe;
+  bool due;
 } Arguments;
+
+enum { KEY_DUE = 0x200 };
+static const struct argp_option options_table[] = {
+    {"due", KEY_DUE, NULL, 0, "do nothing where it was done with these very files before", 0}, {0}};
 
 static error_t parse_option(int key, char *text, struct argp_state *state) {
   Arguments *arguments = state->input;
-  return parse_only_argument(key, text, state, &arguments->recipe, "a step's recipe");
+  if (key != KEY_DUE) return parse_only_argument(key, text, state, &arguments->recipe, "a step's recipe");
+  begin_option(key, text, state);
+  arguments->due = true;
+  return 0;
 }
 
 static const struct argp_child children[] = {{&common_argp, 0, NULL, 0}, {0}};
 static const struct argp parser = {
+    .options = options_table,
     .parser = parse_option,
     .args_doc = "RECIPE.json",
     .doc =
@@ -89,6 +99,7 @@ static void close_step(Step *step) {
   sty_close_manifest(&step->packing.manifest);
   json_decref(step->packing.guides);
   json_decref(step->packing.inputs);
+  free(step->packing.root);
   free(step);
 }
 
@@ -104,7 +115,14 @@ static StyStatus run(const Arguments *arguments, StyError *error) {
   if (!status && !kind)
     status = sty_fail_value(&step->recipe, &(StyPath){NULL, "step", 0}, json_object_get(step->recipe.root, "step"),
                             "a step of this version's batches", error);
-  if (!status) status = kind->run(step, error);
+  if (!status && (!arguments->due || is_step_due(&step->recipe))) {
+    json_t *inputs = note_inputs(&step->recipe);
+    status = kind->run(step, error);
+    if (status)
+      json_decref(inputs);
+    else
+      status = note_done(&step->recipe, inputs, error);
+  }
   close_step(step);
   return status;
 }

@@ -35,6 +35,9 @@ StyStatus map_texture(const char *path, uint32_t format, StyMapping *mapping, St
 /* What texels of a table answer for, by the facts that its step wrote. */
 StyStatus read_sampling(const char *file, StySampling *out, StyError *error);
 
+/* A small file, under another name. */
+StyStatus copy_file(const char *from, const char *to, StyError *error);
+
 /* A file as it is; whatever takes its place has another. The caller owns it. */
 json_t *identify_file(const char *path);
 

@@ -28,11 +28,13 @@ static StyStatus write_depfile(const Step *step, const char *path, const char *i
 }
 
 StyStatus step_guide(Step *step, StyError *error) {
-  const char *depfile = NULL, *inputs = NULL, *facts = NULL;
+  const char *depfile = NULL, *inputs = NULL, *facts = NULL, *root = NULL;
   StyImage *guide = NULL;
   StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "depfile", 0, &depfile, error);
   if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "inputs", 0, &inputs, error);
   if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "facts", 1, &facts, error);
+  if (!status) status = sty_get_string(&step->recipe, NULL, step->recipe.root, "root", 0, &root, error);
+  if (!status && root && !(step->packing.root = strdup(root))) status = sty_fail_memory(error, root, 0);
   step->packing.inputs = json_object();
   if (!status) status = get_guide(&step->packing, 0, &guide, error);
   if (!status && depfile && inputs) status = write_depfile(step, depfile, inputs, error);
@@ -109,11 +111,8 @@ static StyStatus make_mask(const Step *step, int style, uint8_t *const *layers, 
   char *made = mask ? name_made(mask, error) : NULL;
   uint8_t *painted = made ? malloc(pixels) : NULL;
   StyStatus status = !made ? STY_ERROR_LIBRARY : painted ? STY_OK : sty_fail_memory(error, mask, (double)pixels);
-  if (!status) {
-    find_painted((const uint8_t *const *)layers, step->packing.manifest.styles[style].parameters.layer_count, pixels,
-                 painted);
-    status = write_mask(made, step->packing.size, painted, error);
-  }
+  if (!status) status = find_painted(&step->packing, style, layers, painted, error);
+  if (!status) status = write_mask(made, step->packing.size, painted, error);
   if (!status) status = put_made(mask, error);
   free(painted);
   free(made);
@@ -152,6 +151,16 @@ static void free_layers(Handful *handful, int count) {
     }
 }
 
+/* The earlier array is as large as this one, and each of its layers is wanted once. */
+static void rest_copies(const Handful *handful, int count) {
+  const StyManifestStyle *styles = handful->step->packing.manifest.styles + handful->first;
+  const Size size = handful->step->packing.size;
+  for (int i = 0; i < count; i++)
+    if (handful->copies[i])
+      sty_rest_mapped(handful->copies[i],
+                      (size_t)sty_count_layers(&styles[i].parameters) * 4 * (size_t)size.width * (size_t)size.height);
+}
+
 static StyStatus write_exemplars(const Step *step, const Earlier *earlier, StyKtx2 *texture, StyError *error) {
   const StyManifest *manifest = &step->packing.manifest;
   const StyRun run = {.threads = step->arguments.options.threads};
@@ -168,6 +177,7 @@ static StyStatus write_exemplars(const Step *step, const Earlier *earlier, StyKt
     for (int i = 0; !status && i < count; i++)
       for (int k = 0; !status && k < sty_count_layers(&manifest->styles[handful->first + i].parameters); k++)
         status = sty_write_ktx2_layer(texture, handful->layers[i][k], error);
+    rest_copies(handful, count);
     free_layers(handful, count);
   }
   free(handful);
@@ -250,7 +260,7 @@ static StyStatus write_guides(const Step *step, StyKtx2 *texture, StyError *erro
   for (int i = 0; !status && i < step->packing.manifest.style_count; i++) {
     status = encode_style(step, i, &encoded, error);
     if (!status) status = sty_write_ktx2_layer(texture, encoded.texels, error);
-    if (!status) review_overlap(&step->arguments.options, &step->packing.manifest.styles[i], &encoded.overlap);
+    if (!status) review_overlap(&step->packing, &step->arguments.options, i, &encoded.overlap);
   }
   free_encoded(&encoded);
   return status;

@@ -76,12 +76,27 @@ static StyStatus name_shared(const Step *step, Shared *out, StyError *error) {
   return STY_OK;
 }
 
-/* Gives `from` the further name of what is made for `output`. */
-static bool take_link(const char *from, const char *output, StyError *error) {
-  char *made = name_made(output, error);
-  const bool is_linked = made && (unlink(made) == 0 || errno == ENOENT) && link(from, made) == 0;
+/* "OUTPUT.shared" is a link to the shared file that OUTPUT is a copy of: what nobody has a link to is pruned. The copy
+ * itself is new, as whatever depends on it goes by its time. */
+static char *name_mark(const char *output, StyError *error) {
+  char *name = NULL;
+  if (asprintf(&name, "%s.shared", output) >= 0) return name;
+  sty_fail_memory(error, output, 0);
+  return NULL;
+}
+
+static void drop_mark(const char *output) {
+  char *mark = name_mark(output, NULL);
+  if (mark) unlink(mark);
+  free(mark);
+}
+
+static bool take_copy(const char *from, const char *output) {
+  char *made = name_made(output, NULL), *mark = name_mark(output, NULL);
+  const bool is_copied = made && mark && link(from, mark) == 0 && copy_file(from, made, NULL) == STY_OK;
+  free(mark);
   free(made);
-  return is_linked && put_made(output, error) == STY_OK;
+  return is_copied && put_made(output, NULL) == STY_OK;
 }
 
 /* Where links can't be made every style makes its own. The facts come last, and count. */
@@ -114,8 +129,10 @@ StyStatus step_lut(Step *step, StyError *error) {
   if (!status) status = find_lut_size(step, &step->packing.lut_size, error);
   if (!status) status = name_shared(step, &shared, error);
   if (status) return status;
-  if (*shared.table && access(shared.facts, F_OK) == 0 && take_link(shared.table, step->output, NULL) &&
-      take_link(shared.facts, facts, NULL))
+  drop_mark(step->output);
+  drop_mark(facts);
+  if (*shared.table && access(shared.facts, F_OK) == 0 && take_copy(shared.table, step->output) &&
+      take_copy(shared.facts, facts))
     return STY_OK;
   status = make_lut(step, facts, error);
   if (!status) share(step, facts, &shared);

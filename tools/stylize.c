@@ -57,7 +57,8 @@ static const struct argp_option options_table[] = {
     {"style", KEY_STYLE, "N|NAME", 0, "style, by number or name (default: the guide's style.I channel, else 1)", 0},
     {"bits", KEY_BITS, "8|16", 0, "precision of the picture (default: 8)", 0},
     {"nnf", KEY_NNF, "FILE.png", 0,
-     "write the nearest-neighbour field: 16 bit, R = source x, G = source y, A = covered", UNRECORDED},
+     "write the nearest-neighbour field, of the guide's size: 16 bit, R = source x, G = source y, A = covered",
+     UNRECORDED},
     {"chunks", KEY_CHUNKS, "FILE.png", 0, "write the chunks: one colour for each piece copied as a whole", UNRECORDED},
     {"flat", KEY_FLAT, "FILE.png", 0,
      "write where the guide is flat: white where 64x64 pixels face one way, so that a patch may repeat", UNRECORDED},
@@ -75,8 +76,11 @@ static const struct argp_option options_table[] = {
      "what pieces ride on: the screen, or each object's pivot, so that one that moves takes its pieces along (default: "
      "screen)",
      0},
-    {"pivots", KEY_PIVOTS, "FILE.json", 0, "objects' pivots in pixels (default: as the guide's metadata say)", 0},
-    {"frames", KEY_FRAMES, "A-B[xSTEP]", 0, "frames of the sequence (default: those on disk, none missing between)",
+    {"pivots", KEY_PIVOTS, "FILE.json", 0,
+     "objects' pivots in pixels (default: as the guide's metadata say): {\"schema\": \"stylut-pivots/1\", \"pivots\": "
+     "{\"1\": [x, y], ...}}, or \"frames\": {\"1\": {\"1\": [x, y], ...}, ...}",
+     0},
+    {"frames", KEY_FRAMES, "A[-B[xSTEP]]", 0, "frames of the sequence (default: those on disk, none missing between)",
      UNRECORDED},
     {"skip-missing", KEY_SKIP_MISSING, NULL, 0, "go on where a frame of the sequence is missing", UNRECORDED},
     {"force", KEY_FORCE, NULL, 0, "draw frames anew that are there, made by this command of these inputs", UNRECORDED},
@@ -107,15 +111,6 @@ static StyStatus check_picture(const char *option, const char *path, const char 
   return STY_OK;
 }
 
-/* For what is one file whatever frames there are. */
-static StyStatus refuse_pattern(const char *option, const char *path, StyError *error) {
-  bool is_pattern;
-  const StyStatus status = find_pattern(option, path, &is_pattern, error);
-  if (status || !is_pattern) return status;
-  return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected no place for a number: one file has all",
-                  option, path);
-}
-
 static StyStatus check_patterns(Arguments *arguments) {
   const char *const *paths = arguments->outputs;
   StyError *error = &arguments->options.error;
@@ -136,7 +131,8 @@ static StyStatus check_patterns(Arguments *arguments) {
                               {"measure", arguments->resolution != RESOLUTION_DOUBLE, "--resolution half or full"},
                               {"fps", arguments->flicker > 0, "--flicker"},
                               {"anchor", arguments->method == METHOD_STYLEBLIT, "--method styleblit"},
-                              {"resolution", arguments->method == METHOD_STYLEBLIT, "--method styleblit"}};
+                              {"resolution", arguments->method == METHOD_STYLEBLIT, "--method styleblit"},
+                              {"chunks", arguments->method != METHOD_LIT_SPHERE, "--method styleblit or brute"}};
   return status ? status : check_needs(&arguments->options, needs, sizeof needs / sizeof *needs);
 }
 
@@ -167,7 +163,8 @@ static StyStatus check_arguments(Arguments *arguments) {
   if (!status && arguments->measure) status = require_folder(&arguments->options, arguments->measure);
   if (!status)
     status = protect_inputs(&arguments->options, arguments->measure, inputs, arguments->anchors.pivots ? 2 : 1);
-  if (!status && arguments->measure) status = refuse_pattern("--measure", arguments->measure, error);
+  if (!status && arguments->measure)
+    status = refuse_pattern("--measure", arguments->measure, "one file for all frames", error);
   if (!status) status = check_patterns(arguments);
   if (!status) status = check_flicker(arguments);
   return status ? status : check_anchors(&arguments->options, &arguments->anchors);

@@ -25,19 +25,18 @@ static const char *const channels[REVIEW_EMPTY] = {"luma.Y, which chooses among 
                                                    "depth.Z, at which blending stops",
                                                    "object.I, at which blending stops"};
 
-/* Those that the guide doesn't have, a bit each. */
-static unsigned find_lacking(const Request *request, const StyFrame *frame) {
+static void find_lacking(const Request *request, const StyFrame *frame, int lacking[REVIEW_EMPTY]) {
   const int styles = (int)request->bundle->textures[STY_BUNDLE_PARAMS].width;
-  unsigned lacking = 0;
   for (int style = frame->styles ? 1 : frame->style; style <= (frame->styles ? styles : frame->style); style++) {
     StyStyle values;
     if (sty_get_style(request->bundle, style, &values)) continue;
-    lacking |= (unsigned)(values.layer_count > 1 && !frame->luma) << REVIEW_LUMA;
-    lacking |= (unsigned)(values.colour_weight > 0 && !frame->albedo) << REVIEW_ALBEDO;
-    lacking |= (unsigned)(values.depth_tolerance > 0 && !frame->depth) << REVIEW_DEPTH;
-    lacking |= (unsigned)(values.flags & STY_FLAG_OBJECTS && !frame->objects) << REVIEW_OBJECT;
+    const bool lacks[REVIEW_EMPTY] = {[REVIEW_LUMA] = values.layer_count > 1 && !frame->luma,
+                                      [REVIEW_ALBEDO] = values.colour_weight > 0 && !frame->albedo,
+                                      [REVIEW_DEPTH] = values.depth_tolerance > 0 && !frame->depth,
+                                      [REVIEW_OBJECT] = values.flags & STY_FLAG_OBJECTS && !frame->objects};
+    for (int i = 0; i < REVIEW_EMPTY; i++)
+      if (lacks[i] && !lacking[i]) lacking[i] = style;
   }
-  return lacking;
 }
 
 static StyStatus copy_motion(const StyImage *guide, Work *work, StyError *error) {
@@ -81,7 +80,7 @@ static StyStatus fill_work(const Request *request, const FrameFiles *files, cons
   frame->anchor_count = work->anchors.count;
   frame->number = files->number;
   frame->path = request->path;
-  work->lacking = find_lacking(request, frame);
+  find_lacking(request, frame, work->lacking);
   const size_t pixels = (size_t)frame->width * (size_t)frame->height;
   work->matches = malloc(pixels * sizeof *work->matches);
   work->picture = malloc(pixels * 4 * (size_t)request->bits / 8);
@@ -240,15 +239,19 @@ static StyStatus halve_work(const Request *request, Work *work, const StyRun *ru
   return status;
 }
 
+/* Of a guide of twice the picture's size, one pixel in four: the picture's are counted. */
 static void count_pixels(Work *work) {
   const StyFrame *frame = &work->filled.frame;
+  const int step = frame->width / work->width;
   work->unnamed = work->filled.foreign_styles;
-  for (size_t i = 0; i < (size_t)frame->width * (size_t)frame->height; i++) {
-    const uint8_t level = work->matches[i].level;
-    work->covered += level != STY_LEVEL_NONE;
-    work->fallback += level == STY_LEVEL_FALLBACK;
-    work->unnamed += frame->styles && frame->styles[i] && frame->guide[4 * i + 3] > 0 && level == STY_LEVEL_NONE;
-  }
+  for (int y = 0; y < frame->height; y += step)
+    for (int x = 0; x < frame->width; x += step) {
+      const size_t i = (size_t)y * (size_t)frame->width + (size_t)x;
+      const uint8_t level = work->matches[i].level;
+      work->covered += level != STY_LEVEL_NONE;
+      work->fallback += level == STY_LEVEL_FALLBACK;
+      work->unnamed += frame->styles && frame->styles[i] && frame->guide[4 * i + 3] > 0 && level == STY_LEVEL_NONE;
+    }
 }
 
 StyStatus draw_work(const Request *request, const FrameFiles *files, Work *work, const StyRun *run, StyError *error) {
@@ -274,9 +277,9 @@ static bool is_news(Review *review, ReviewKind kind) { return review->counts[kin
 
 void review_channels(const Request *request, const FrameFiles *files, const Work *work, Review *review) {
   for (int i = 0; i < REVIEW_EMPTY; i++)
-    if (work->lacking >> i & 1 && is_news(review, (ReviewKind)i))
-      warn(request->options, "%s: found no channel %s, expected it for a style of the bundle", clean_text(files->guide),
-           channels[i]);
+    if (work->lacking[i] && is_news(review, (ReviewKind)i))
+      warn(request->options, "%s: found no channel %s, expected it for style '%s'", clean_text(files->guide),
+           channels[i], clean_text(sty_get_style_name(request->loaded, work->lacking[i])));
 }
 
 void review_work(const Request *request, const FrameFiles *files, const Work *work, Review *review) {

@@ -31,6 +31,19 @@ typedef struct FrameFiles {
   int number;
 } FrameFiles;
 
+/* What may be amiss with a frame. */
+typedef enum ReviewKind {
+  REVIEW_LUMA, /* channels that a style goes by */
+  REVIEW_ALBEDO,
+  REVIEW_DEPTH,
+  REVIEW_OBJECT,
+  REVIEW_EMPTY,    /* shows nothing */
+  REVIEW_HOPELESS, /* hardly any piece fits */
+  REVIEW_UNNAMED,  /* styles that the bundle doesn't have */
+  REVIEW_OBJECTS,  /* objects that a frame can't tell apart */
+  REVIEW_KINDS
+} ReviewKind;
+
 /* A frame and all that is computed for it. The picture has width x height pixels, matches are those of the frame. */
 typedef struct Work {
   FilledFrame filled;
@@ -40,9 +53,9 @@ typedef struct Work {
   void *picture;
   int width, height;
   size_t covered, fallback;
-  unsigned lacking; /* channels that a style goes by: a bit each, by ReviewKind */
-  size_t unnamed;   /* pixels whose style.I is that of no style */
-  double times[4];  /* read, transfer, blend, write */
+  int lacking[REVIEW_EMPTY]; /* the first style that goes by a channel the guide hasn't; 0: none */
+  size_t unnamed;            /* pixels whose style.I is that of no style */
+  double times[4];           /* read, transfer, blend, write */
 } Work;
 
 /* Reads a frame's guide and fills the frame. */
@@ -55,18 +68,7 @@ StyStatus draw_work(const Request *request, const FrameFiles *files, Work *work,
 /* All or none: what was asked for appears once everything is written. */
 StyStatus write_work(const Request *request, const FrameFiles *files, Work *work, StyError *error);
 
-/* What may be amiss with a frame, and in how many frames it was. */
-typedef enum ReviewKind {
-  REVIEW_LUMA, /* channels that a style goes by */
-  REVIEW_ALBEDO,
-  REVIEW_DEPTH,
-  REVIEW_OBJECT,
-  REVIEW_EMPTY,    /* shows nothing */
-  REVIEW_HOPELESS, /* hardly any piece fits */
-  REVIEW_UNNAMED,  /* styles that the bundle doesn't have */
-  REVIEW_OBJECTS,  /* objects that a frame can't tell apart */
-  REVIEW_KINDS
-} ReviewKind;
+/* In how many frames each was. */
 typedef struct Review {
   int counts[REVIEW_KINDS];
 } Review;

@@ -41,6 +41,7 @@ static const Command commands[] = {
     {"info", "say what a file or bundle holds", run_info},
     {"validate", "verify a bundle, finding by finding", run_validate},
     {"compare", "say whether and where two pictures differ", run_compare},
+    {"init", "write a project of styles that packs and passes its checks at once", run_init},
     {"doctor", "say what this machine has, and check that it all works", run_doctor},
     {"bench", "measure speed on this machine beside the committed figures", run_bench},
 };
@@ -108,7 +109,12 @@ static bool is_unit_known(void) {
 }
 
 int main(int argc, char **argv) {
+  StyError error;
   if (!is_unit_known()) return STY_ERROR_USAGE;
+  if (sty_claim_stack(&error)) {
+    fprintf(stderr, "stylut: error: %s\n", error.text);
+    return (int)error.status;
+  }
   sty_clean_up_when_ended();
   static char help[] = "--help";
   if (argc == 3 && strcmp(argv[1], "help") == 0) {

@@ -69,7 +69,8 @@ static const struct argp_option options_table[] = {
      "what cells ride on: the screen, or each object's pivot, so that one that moves takes them along (default: "
      "screen)",
      0},
-    {"pivots", KEY_PIVOTS, "FILE.json", 0, "objects' pivots in pixels (default: as the guide's metadata say)", 0},
+    {"pivots", KEY_PIVOTS, "FILE.json", 0,
+     "objects' pivots in pixels (default: as the guide's metadata say), as of 'stylize'", 0},
     {"bits", KEY_BITS, "8|16", 0, "precision of the picture (default: 8)", 0},
     {0},
 };
@@ -239,17 +240,6 @@ static StyStatus light_frame(const double angles[2], const StyImage *guide, Fill
   return STY_OK;
 }
 
-/* Luminance as it would be if all were white. */
-static void take_out_albedo(StyImage *guide) {
-  float *luma = sty_find_channel(guide, "luma.Y");
-  const float *r = sty_find_channel(guide, "albedo.R"), *g = sty_find_channel(guide, "albedo.G"),
-              *b = sty_find_channel(guide, "albedo.B");
-  for (size_t i = 0; luma && r && g && b && i < sty_count_pixels(guide); i++) {
-    const float albedo = 0.2126f * r[i] + 0.7152f * g[i] + 0.0722f * b[i];
-    if (albedo > 0) luma[i] /= albedo;
-  }
-}
-
 /* ---- shading ---- */
 
 /* A frame and what it is shaded with. */
@@ -286,10 +276,7 @@ static StyStatus load_frame(const Arguments *arguments, Work *work, StyError *er
   StyStatus status = read_guide(&arguments->options, arguments->guide, &guide, error);
   if (!status && is_given(&arguments->options, "albedo") && !sty_find_channel(guide, "albedo.R"))
     status = sty_fail(error, STY_ERROR_INPUT, "%s: found no albedo.R, expected it for --albedo", arguments->guide);
-  if (!status) {
-    take_out_albedo(guide);
-    status = fill_frame(arguments->guide, guide, 1, &work->filled, error);
-  }
+  if (!status) status = fill_frame(arguments->guide, guide, 1, &work->filled, error);
   if (!status) status = anchor_frame(&arguments->anchors, arguments->guide, guide, work, error);
   if (!status && (arguments->lit || !has_shades(&work->filled)))
     status = light_frame(arguments->light, guide, &work->filled, error);
