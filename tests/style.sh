@@ -13,9 +13,9 @@ clang-format --dry-run --Werror "${sources[@]}" || complain "formatting: run cla
 
 # Who may include whom (src/<folder>/: headers of these stages, and what is beside it).
 declare -A may=(
-  [base]="status image parse parallel file json"
-  [bridge]="status image image_io parse parallel file json version"
-  [scene]="status image parse parallel file json image_io version mesh scene scene_file repair"
+  [base]="status image parse parallel file json ceilings"
+  [bridge]="status image image_io parse parallel file json ceilings version"
+  [scene]="status image parse parallel file json ceilings image_io version mesh scene scene_file repair"
   [guide]="status image parse parallel file json image_io version mesh scene scene_file guide foreign strokes warp flow simplify pivots"
   [lut]="status image parse parallel file json version lut match"
   [audit]="status image parse parallel file json lut audit chart compare probe report measure runtime"
@@ -31,6 +31,7 @@ for folder in "${!may[@]}"; do
   while IFS=: read -r file header; do
     case $folder in
       scene | guide) near='base|bridge|scene' ;;
+      bridge) near='base|bridge' ;;
       lut) near='base|bridge' ;; # CGAL's tree
       audit) near='base|lut' ;;
       pack) near='base' ;;
@@ -47,6 +48,6 @@ grep -nP '\t' "${sources[@]}" && complain "tabs in sources"
 grep -nE '[[:blank:]]+$' "${text[@]}" && complain "trailing blanks"
 grep -nP '[^\x00-\x7F]' "${sources[@]}" && complain "characters beyond ASCII in sources"
 
-mapfile -t scripts < <(git ls-files --cached --others --exclude-standard -- '*.sh' '*.bash')
+mapfile -t scripts < <(git ls-files --cached --others --exclude-standard -- '*.sh' '*.bash' tools/files/pre-commit)
 shellcheck "${scripts[@]}" || complain "shellcheck"
 exit $failed

@@ -465,10 +465,18 @@ put_output() { # FOLDER COMMAND...
   bring_all
   prove pack manifest.json -o out.bundle
   cp -r bundle mine
-  echo 'my notes' >mine/notes.txt
-  refuse 2 mine pack manifest.json -o mine
-  refuse 2 mine pack manifest.json -o mine/
-  expect notes "$(cat mine/notes.txt)" 'my notes'
+  mkdir mine/more
+  echo 'my notes' >mine/more/notes.txt
+  refuse 2 "mine: found 'more'" pack manifest.json -o mine
+  refuse 2 "mine: found 'more'" pack manifest.json -o mine/
+  refuse 2 "mine: found 'more'" pack manifest.json -o mine --dry-run
+  refuse 2 "mine: found 'more'" params mine --set radius=1
+  refuse 2 "mine: found 'more'" params mine --set radius=1 --dry-run
+  expect notes "$(cat mine/more/notes.txt)" 'my notes'
+  mkdir notes
+  echo 'my notes' >notes/notes.txt
+  refuse 2 notes pack manifest.json -o notes
+  expect notes "$(ls notes)" notes.txt
   mkdir other
   mkdir other/bundle.json
   refuse 2 other pack manifest.json -o other
@@ -531,7 +539,7 @@ fill_disk() {
   small_disk 64k
   fill_disk bundle pack manifest.json -o bundle
   printf '{"schema": "stylut-bundle/1", "styles": [{"name": "a", "exemplar": "%s/spheres/pencil.png"}]}' "$exemplars" >pencil.json
-  accept pack pencil.json -o pencil
+  accept pack pencil.json --allow-outside -o pencil
   accept guide scene "$exemplars/creature.ply" -s 400 -o frame.exr
   fill_disk picture.png stylize pencil --guide frame.exr -o picture.png
   fill_disk nnf.png stylize pencil --guide frame.exr -o out.first.png --nnf nnf.png

@@ -192,6 +192,24 @@ styles 0 True []"
   expect_packed out/styles styles.json
 }
 
+@test "bundles that share tables are done after one run, and what nobody shares goes" {
+  bring painted
+  local i
+  for i in 1 2 3; do printf '%s\n' '{"schema": "stylut-bundle/1", "defaults": {"lut": {"size": 32}}, "styles": [{"glob": "painted/*.png"}]}' >m$i.json; done
+  accept batch m1.json m2.json m3.json -o out
+  accept batch m1.json m2.json m3.json -o out
+  expect_holds 'the second time' "$output" ' 0 steps done'
+  expect 'a table and its facts' "$(find out/.stylut/tables -type f | wc -l)" 2
+  for i in 9 12 15; do # outlines: one table more, which goes with the next
+    oiiotool --no-autopremult painted/pencil.png --fill:color=0,0,0,0 ${i}x9+20+20 -d uint8 -o new.png
+    mv new.png painted/pencil.png
+    accept batch m1.json m2.json m3.json -o out
+    expect "tables and facts that are kept of outline $i" "$(find out/.stylut/tables -type f | wc -l)" 4
+  done
+  accept batch m1.json m2.json m3.json -o out
+  expect_holds 'the second time' "$output" ' 0 steps done'
+}
+
 @test "--check audits every table, and refuses bundles by it" {
   bring painted table.png sphere.png
   printf '%s\n' '{"schema": "stylut-bundle/1", "defaults": {"check": {"max-p99": 50, "min-coverage": 0.5}}, "styles": [
@@ -270,4 +288,44 @@ styles 0 True []"
   refuse 3 schema step styles.json
   printf '%s\n' '{"schema": "stylut-step/1", "step": "dance", "output": "x"}' >step.json
   refuse 3 dance step step.json
+}
+
+# paint_fifty FOLDER GREEN: fifty styles in five outlines, each its own painting.
+paint_fifty() {
+  local i words=()
+  mkdir "$1"
+  for i in $(seq 0 4); do
+    words+=(painted/oil.png --resize 32x32 --fill:color=0,0,0,0 $((2 * i + 1))x3+8+8 -d uint8 -o "cut$i.png")
+  done
+  for i in $(seq 10 59); do words+=("cut$((i % 5)).png" --mulc "0.$i,$2,1,1" -d uint8 -o "$1/$i.png"); done
+  oiiotool --no-autopremult "${words[@]}"
+}
+
+@test "fifty styles: built, changed one by one, and killed twenty times" {
+  bring painted
+  paint_fifty fifty 0.5
+  paint_fifty other 0.7
+  printf '%s\n' '{"schema": "stylut-bundle/1", "defaults": {"lut": {"size": 16}}, "styles": [{"glob": "fifty/*.png"}]}' >styles.json
+  # A guide, exemplars, guides, 50 tables, their array, parameters, jitter, the bundle.
+  expect_steps 'fifty styles' 57
+  expect_steps nothing 0
+  local i name
+  for i in $(seq 10 59); do
+    # Another colour, the same outline: its layer in the exemplars, and the bundle.
+    cp other/$i.png fifty
+    expect_steps "a colour of $i" 2
+  done
+  # Another outline: its table, the guides and the array of tables besides.
+  oiiotool --no-autopremult fifty/33.png --fill:color=0,0,0,0 4x4+20+20 -d uint8 -o new.png
+  mv new.png fifty/33.png
+  expect_steps 'an outline' 5
+  sed -i 's/"size": 16/"size": 16, "sampling": "centre"/' styles.json
+  expect_steps 'all tables' 53
+  # Killed at twenty moments of a whole build, it ends with the same bytes.
+  mv out whole
+  for i in $(seq 20); do
+    timeout -s KILL "0.$((RANDOM % 40 + 3))" setsid "$STYLUT" batch styles.json -o out -q 2>/dev/null || true
+  done 2>/dev/null
+  accept batch styles.json -o out
+  for name in exemplars guides luts params jitter; do expect_same whole/styles/$name.ktx2 out/styles/$name.ktx2; done
 }

@@ -248,7 +248,7 @@ itself() {
 @test "an exemplar styled by its own guide is itself: default settings, 128 pixels" {
   bring 'sphere128.*' pencil128.png
   write_styles 'pencil pencil128.png' >self.json
-  accept pack self.json -o bundle
+  accept pack self.json --allow-outside -o bundle
   beside itself sphere128.exr pencil128.png bundle
   beside itself sphere128.png pencil128.png bundle
   wait
@@ -256,7 +256,7 @@ itself() {
 
 @test "an exemplar styled by its own guide is itself: 512 pixels, a centre table of 512" {
   write_styles "oil $exemplars/spheres/oil.png \"lut\": {\"size\": 512, \"sampling\": \"centre\"}" >self.json
-  accept pack self.json -o bundle
+  accept pack self.json --allow-outside -o bundle
   accept guide sphere -o sphere.exr
   itself sphere.exr "$exemplars/spheres/oil.png" bundle
 }
@@ -264,7 +264,7 @@ itself() {
 @test "the silhouette is the frame's" {
   bring 'frame*' oil128.png
   write_styles 'oil oil128.png' >oil.json
-  accept pack oil.json -o bundle
+  accept pack oil.json --allow-outside -o bundle
   local frame
   for frame in frame.exr frame8.png frame16.png; do beside check_silhouette $frame; done
   wait
@@ -291,7 +291,7 @@ check_silhouette() { # FRAME
 
 style_with() { # PARAMS NUMBER
   write_styles "oil oil128.png \"params\": $1" >p.json
-  accept pack p.json -o bundle
+  accept pack p.json --allow-outside -o bundle
   accept stylize bundle --guide frame.exr --no-history -o p.png --format json -q
   cp p.png "$BATS_TEST_TMPDIR/desk/$2.png"
   printf '%s' "$output" >"$BATS_TEST_TMPDIR/desk/$2.json"
@@ -301,7 +301,7 @@ style_with() { # PARAMS NUMBER
   [ -x "$STYLUT_BUILD/use_runtime" ] || skip "no use_runtime in the build"
   bring oil128.png
   write_styles 'oil oil128.png' >oil.json
-  accept pack oil.json -o bundle
+  accept pack oil.json --allow-outside -o bundle
   local program
   for program in use_runtime:256x256 animate_runtime:192x1536; do
     local size=${program#*:} bytes
@@ -334,7 +334,7 @@ expect_refused_by() { # PROGRAM BUNDLE: one line, no crash
   # A window without paint, on the sphere; the rest stays.
   oiiotool --no-autopremult pencil128.png --fill:color=0,0,0,0 20x20+40+50 -d uint8 -o holed.png
   write_styles 'pencil holed.png' >holed.json
-  accept pack holed.json -o bundle
+  accept pack holed.json --allow-outside -o bundle
   accept stylize bundle --guide sphere128.exr -o out.png
   expect 'covered pixels left open' "$(paste -d' ' <(dump sphere128.exr A) <(dump out.png A 255) | awk '$3 > 0 && $6 < 128' | wc -l)" 0
 }

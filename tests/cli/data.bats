@@ -49,12 +49,12 @@ write_styles() { # FILE...
   for name in 0 01c 05 10b 15; do files+=("$data/styleblit/$name.png"); done
   need_data styleblit/{0,01c,05,10b,15,new10,new11,new12}.png
   write_styles "${files[@]}" >large.json
-  accept pack large.json -o large
+  accept pack large.json --allow-outside -o large
   accept validate large
   files=()
   for name in new10 new11 new12; do files+=("$data/styleblit/$name.png"); done
   write_styles "${files[@]}" >small.json
-  accept pack small.json -o small
+  accept pack small.json --allow-outside -o small
   accept validate small
   accept guide scene "$exemplars/creature.ply" -s 300 -o frame.exr
   stylize_all large frame.exr 10b
@@ -62,15 +62,15 @@ write_styles() { # FILE...
   few_fallbacks
   # Both sizes in one bundle are refused with both.
   write_styles "$data/styleblit/15.png" "$data/styleblit/new10.png" >mixed.json
-  refuse 3 486x486 pack mixed.json -o mixed
-  refuse 3 483x483 pack mixed.json -o mixed
+  refuse 3 486x486 pack mixed.json --allow-outside -o mixed
+  refuse 3 483x483 pack mixed.json --allow-outside -o mixed
 }
 
 @test "sources painted over a guide of their own" {
   need_data unity-plugin/{source_1,source_2,source_3,source_4,s_normals}.png frames/golem.001.png
   local unity=$data/unity-plugin guide=$data/unity-plugin/s_normals.png
   write_styles "$unity"/source_{1,2,3,4}.png >unity.json
-  accept_warned 'facing away' pack unity.json -o bundle
+  accept_warned 'facing away' pack unity.json --allow-outside -o bundle
   accept validate bundle
   accept lut "$guide" -s 256 --sampling unorm8 -o lut.exr --format json -q
   expect_less 'distinct values' 1000 "$(json - r.unique <<<"$output")"
@@ -86,7 +86,7 @@ write_styles() { # FILE...
 @test "frames of a turning golem" {
   need_data frames/golem.{001,045}.png styleblit/05.png
   write_styles "$data/styleblit/05.png" >manifest.json
-  accept pack manifest.json -o bundle
+  accept pack manifest.json --allow-outside -o bundle
   local frame
   for frame in 001 045; do beside serve_golem $frame; done
   accept lut "$data/frames/golem.001.png" -s 64 -o lut.png

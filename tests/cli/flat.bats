@@ -9,7 +9,7 @@ setup_file() {
     { "name": "same", "exemplar": "%s/spheres/oil.png", "params": { "scatter": 0 } },
     { "name": "scattered", "exemplar": "%s/spheres/oil.png", "params": { "scatter": 12 } } ] }\n' \
     "$exemplars" "$exemplars" "$exemplars" >styles.json
-  "$STYLUT" pack styles.json -o bundle -q
+  "$STYLUT" pack styles.json --allow-outside -o bundle -q
   # A wall on the left, a ball on the right.
   printf '{ "schema": "stylut-scene/1", "camera": { "type": "orthographic", "position": [0,0,9], "target": [0,0,0], "height": 4 },
     "objects": [ { "mesh": "%s/box/wall.obj", "transform": [2,0,0,-2, 0,2,0,0, 0,0,1,0, 0,0,0,1] } ],

@@ -2,7 +2,7 @@
 # Help, versions, progress, and what make and make install promise.
 load helpers
 
-commands=(guide lut match probe check report chart pack batch step params unpack stylize toon outline info validate compare doctor bench)
+commands=(guide lut match probe check report chart pack batch step params unpack stylize toon outline info validate compare init doctor bench)
 
 # run_make TARGET...: with the variables of the build under test.
 run_make() {

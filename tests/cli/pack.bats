@@ -46,12 +46,38 @@ same_textures() {
   expect_holds info "$output" 'exemplars for luma 0.2, 0.8, threshold 24'
   expect_holds info "$output" 'exemplars.ktx2  96x96, 2 layer(s)'
   accept stylize bundle --guide lit.exr -o out.png --style 1
-  paste -d' ' <(dump lit.exr A,luma.Y) <(dump out.png R,G,B,A 255) >all.txt
+  # Light is luma less what the surface's colour takes of it.
+  paste -d' ' <(dump lit.exr A,luma.Y,albedo.R,albedo.G,albedo.B) <(dump out.png R,G,B,A 255) |
+    awk '{ albedo = 0.2126 * $5 + 0.7152 * $6 + 0.0722 * $7; if (albedo > 0) $4 /= albedo; print $1, $2, $3, $4, 0, 0, $10, $11, $12 }' >all.txt
   # A piece has the light of its seed: a few reach over the edges of shadows.
   expect_less 'dark pixels of another colour' "$(awk '$3 == 1 && $4 < 0.49 && $9 != 255' all.txt | wc -l)" 30
   expect_less 'bright pixels of another colour' "$(awk '$3 == 1 && $4 > 0.51 && $7 != 255' all.txt | wc -l)" 30
   expect_less 'dark pixels' 200 "$(awk '$3 == 1 && $4 < 0.49' all.txt | wc -l)"
   expect_less 'bright pixels' 200 "$(awk '$3 == 1 && $4 > 0.51' all.txt | wc -l)"
+}
+
+@test "what chooses among exemplars is light, not paint" {
+  bring blue.png red.png
+  first_style '"exemplars": [{"image": "blue.png", "luma": 0.2}, {"image": "red.png", "luma": 0.8}]' >m.json
+  accept pack m.json -o bundle
+  local colour
+  for colour in '1, 1, 1' '0.2, 0.1, 0.1'; do
+    printf '{"schema": "stylut-scene/1", "spheres": [{"center": [0, 0, 0], "radius": 1, "color": [%s]}]}\n' "$colour" >ball.json
+    accept guide scene ball.json -s 64 -c normal,luma,albedo -o "$colour.exr"
+    accept stylize bundle --guide "$colour.exr" --no-history -o "$colour.png"
+  done
+  expect_same '1, 1, 1.png' '0.2, 0.1, 0.1.png'
+}
+
+@test "exemplars that no sphere fits, or without paint" {
+  bring small.png oil.png
+  first_style '"exemplar": "small.png", "lut": {"size": 16}' >m.json
+  accept_warned "style 'one': found an exemplar of 64x48 pixels, whose guide is an ellipse" pack m.json -o bundle
+  oiiotool oil.png --mulc 1,1,1,0.4 -d uint8 -o faint.png
+  first_style '"exemplar": "faint.png"' >m.json
+  refuse 3 "style 'one': found no paint in exemplar faint.png, expected pixels that are at least half opaque" pack m.json -o bundle
+  "$STYLUT" batch m.json -o bundles >/dev/null 2>said && complain 'batch packed what has no paint'
+  expect_holds 'what batch says' "$(cat said)" "m, exemplars: style 'one': found no paint in exemplar"
 }
 
 @test "exemplars and lights that can't be are refused" {
@@ -190,7 +216,7 @@ same_textures() {
   bring oil.png small.png sphere.png
   printf '{"schema": "stylut-bundle/1", "styles": [{"name": "one", "exemplar": "oil.png"}, {"name": "two", "exemplar": "small.png"}]}' >m.json
   refuse 3 'oil.png of 96x96 and small.png of 64x48' pack m.json -o bundle
-  accept pack m.json --fit pad -o padded
+  accept_warned "style 'two': found an exemplar of 64x48 pixels, whose guide is an ellipse" pack m.json --fit pad -o padded
   accept validate padded
   expect 'true sizes' "$(json padded/bundle.json 'r.styles.map(s => s.size.join("x")).join()')" 96x96,64x48
   texels padded/exemplars.ktx2 | od -An -v -tu1 -w4 | sed 's/^ *//; s/  */ /g' | tail -n 9216 >two.txt
@@ -198,7 +224,7 @@ same_textures() {
   expect 'the rest' "$(awk '{ x = (NR - 1) % 96; y = int((NR - 1) / 96); if (!(x < 64 && y < 48)) print }' two.txt | sort -u)" '0 0 0 0'
   texels padded/guides.ktx2 | od -An -v -tu1 -w4 | tail -n 9216 | awk '{ x = (NR - 1) % 96; y = int((NR - 1) / 96); if ($4 && !(x < 64 && y < 48)) print }' >covered.txt
   expect 'guide beside it' "$(cat covered.txt)" ''
-  accept pack m.json --fit resize -o resized
+  accept_warned "style 'two': found an exemplar of 64x48 pixels, whose guide is an ellipse" pack m.json --fit resize -o resized
   accept validate resized
   # Enlarged by the same filter elsewhere, with alpha multiplied in.
   oiiotool small.png --resize 96x96 -d uint8 -o larger.png
@@ -317,7 +343,7 @@ same_textures() {
   refuse 1 'scale=3, expected 0.5, 1 or 2' params bundle --set one.scale=3
   refuse 1 'objects=maybe, expected true or false' params bundle --set objects=maybe
   refuse 1 'colour_weight=nan' params bundle --set colour_weight=nan
-  refuse 1 "'two', expected a style's name or a number from 1 to 1" params bundle --set two.radius=1
+  refuse 1 "'two', expected a style's name ('one') or a number from 1 to 1" params bundle --set two.radius=1
   refuse 1 "'radius', expected KEY=VALUE" params bundle --set radius
   refuse 1 "parameter 'layer'" params bundle --set layer=0
   refuse 1 "parameter 'layer'" stylize bundle --guide oil.png -o out.png --set layer=0
@@ -327,6 +353,105 @@ same_textures() {
   accept params bundle --set threshold=3 --dry-run
   accept params bundle
   expect_holds params "$output" 'threshold 24'
+}
+
+@test "a manifest's files are in its folder, unless others are allowed" {
+  bring oil.png
+  local outside=$PWD/outside project=$PWD/project
+  mkdir -p outside/parts project/in/deep
+  cp oil.png outside
+  cp oil.png project/in
+  printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n' | tee outside/parts/a.obj >project/in/a.obj
+  ln -s ../../outside/oil.png project/in/link.png
+  ln -s ../../outside project/in/folder
+  ln -s oil.png project/in/near.png
+  printf '{"schema": "stylut-scene/1", "objects": [{"mesh": "../../outside/parts/a.obj"}]}' >project/in/far.json
+  printf '{"schema": "stylut-scene/1", "objects": [{"mesh": "../in/a.obj"}]}' >project/in/near.json
+  cd project || return 1
+  local name rest='"lut": {"size": 16}'
+  for name in ../outside/oil.png "$outside/oil.png" in/link.png in/folder/oil.png in/../../outside/oil.png; do
+    first_style "\"exemplar\": \"$name\", $rest" >m.json
+    refuse 3 "which is outside of the manifest's folder, expected a file inside, or --allow-outside" pack m.json -o bundle
+    refuse 3 "m.json: style 'one': found '" pack m.json -o bundle --dry-run
+    "$STYLUT" batch m.json -o bundles -q 2>said && complain "batch took $name"
+    expect_holds "batch of $name" "$(cat said)" "outside of the manifest's folder"
+    accept pack m.json --allow-outside -o ../allowed
+  done
+  first_style "\"exemplar\": \"in/oil.png\", \"guide\": \"in/far.json\", $rest" >m.json
+  refuse 3 "far.json: found './in/../../outside/parts/a.obj', which is outside" pack m.json -o bundle
+  echo 'no mesh' >../outside/parts/a.obj # it isn't even read
+  refuse 3 "far.json: found './in/../../outside/parts/a.obj', which is outside" pack m.json -o bundle
+  "$STYLUT" batch m.json -o bundles -q 2>said && complain 'batch took a mesh from outside'
+  expect_holds 'batch of a scene' "$(cat said)" "outside of the manifest's folder"
+  expect 'without a bundle' "$(ls bundles)" ''
+  for name in '"lut": {"file": "../outside/oil.png"}' '"lut": {"size": 16, "resolve": "frames", "frames": "../outside/oil.png"}' \
+    '"guide": "../outside/oil.png"'; do
+    first_style "\"exemplar\": \"in/oil.png\", $name" >m.json
+    refuse 3 "found './../outside/oil.png', which is outside" pack m.json -o bundle
+  done
+  printf '{"schema": "stylut-bundle/1", "styles": [{"glob": "../outside/*.png", %s}]}' "$rest" >m.json
+  refuse 3 'outside/oil.png' pack m.json -o bundle
+  printf '{"schema": "stylut-bundle/1", "jitter": "../outside/oil.png", "styles": [{"name": "one", "exemplar": "in/oil.png", %s}]}' "$rest" >m.json
+  refuse 3 'outside/oil.png' pack m.json -o bundle
+  for name in in/near.png in/deep/../oil.png "$project/in/oil.png"; do
+    first_style "\"exemplar\": \"$name\", $rest" >m.json
+    accept pack m.json -o bundle
+  done
+  first_style "\"exemplar\": \"in/oil.png\", \"guide\": \"in/near.json\", $rest" >m.json
+  accept pack m.json -o bundle
+}
+
+@test "files of others in a bundle's folder stay" {
+  bring oil.png
+  first_style '"exemplar": "oil.png", "lut": {"size": 16}' >m.json
+  accept pack m.json -o bundle
+  echo guid >bundle/luts.ktx2.meta
+  touch bundle/.DS_Store
+  chmod 640 bundle/luts.ktx2.meta
+  local files
+  files=$(ls -A bundle)
+  accept params bundle --set radius=3
+  expect 'after params' "$(ls -A bundle)" "$files"
+  accept pack m.json -o bundle
+  expect 'after pack' "$(ls -A bundle)" "$files"
+  expect 'what it says' "$(cat bundle/luts.ktx2.meta) $(stat -c %a bundle/luts.ktx2.meta)" 'guid 640'
+  accept stylize bundle --guide "$BATS_FILE_TMPDIR/sphere.png" -o bundle/out.png
+  accept params bundle --set radius=3
+  expect 'beside the bundle' "$(find . -maxdepth 1 -type d | sort | tr '\n' ' ')" '. ./bundle '
+}
+
+# as_nobody COMMAND...: without root's rights.
+as_nobody() {
+  if [ "$(id -u)" = 0 ]; then setpriv --reuid 65534 --regid 65534 --clear-groups "$@"; else "$@"; fi
+}
+
+@test "a bundle that others own, or that is kept from writing" {
+  bring oil.png
+  first_style '"exemplar": "oil.png", "lut": {"size": 16}' >m.json
+  accept pack m.json -o bundle
+  local open
+  open=$(mktemp -d)
+  chmod 777 "$open"
+  cp -r bundle "$open/kept"
+  cp -r bundle "$open/theirs"
+  chmod 555 "$open/kept"
+  chmod -R 777 "$open/theirs"
+  cd "$open" || return 1
+  as_nobody "$STYLUT" --version >/dev/null || skip 'nobody may start the tool here'
+  local told code=0
+  told=$(as_nobody "$STYLUT" params kept --set radius=2 2>&1) || code=$?
+  expect 'kept from writing' "$code ${told#*kept: }" '2 cannot write: Permission denied; expected a folder that can be written to'
+  code=0
+  told=$(as_nobody "$STYLUT" params kept --set radius=2 --dry-run 2>&1) || code=$?
+  expect 'foretold' "$code ${told#*kept: }" '2 cannot write: Permission denied; expected a folder that can be written to'
+  code=0
+  told=$(as_nobody "$STYLUT" params theirs -q --set radius=2 2>&1) || code=$?
+  expect 'theirs' "$code $told" '0 '
+  expect_holds 'as set' "$(as_nobody "$STYLUT" params theirs)" 'radius 2'
+  # The group that new files have may do what anybody may, if nothing more.
+  expect 'rights' "$(stat -c %a theirs theirs/bundle.json | tr '\n' ' ')" '777 777 '
+  expect 'folders' "$(ls "$open" | tr '\n' ' ')" 'kept theirs '
+  cd / && chmod 755 "$open/kept" && rm -r "$open"
 }
 
 @test "params while someone reads: all old or all new" {

@@ -48,7 +48,7 @@ make_bundle() {
     "base": 3, "lut": { "budget": { "p99": 3 } } },
   { "name": "calm", "exemplar": "flat.png", "guide": "other.exr", "lut": { "resolve": "both", "frames": "before.png" }, "params": { "scatter": 9 } } ] }
 END
-  "$stylut" pack all.json --fit resize --jitter-frames 2 --jitter-noise blue --seed 3 -q "$@" -o all || return 1
+  "$stylut" pack all.json --allow-outside --fit resize --jitter-frames 2 --jitter-noise blue --seed 3 -q "$@" -o all || return 1
   "$stylut" params all --set calm.radius=3 "$@" >params.txt || return 1
   "$stylut" unpack all -q "$@" -o unpacked || return 1
   "$stylut" stylize all --guide lit.exr --style lit --flat where.png --measure measure.json -q "$@" -o all.png || return 1

@@ -14,7 +14,7 @@ setup_file() {
     { "name": "oil", "exemplar": "$exemplars/spheres/oil.png", "params": { "threshold": 40 } },
     { "name": "charcoal", "exemplar": "$exemplars/spheres/charcoal.png", "params": { "top_level": 4, "radius": 0 } } ] }
 JSON
-  "$STYLUT" pack styles.json -q -o bundle
+  "$STYLUT" pack styles.json --allow-outside -q -o bundle
   "$STYLUT" guide scene "$exemplars/lit/lit.json" -s 240x200 -c normal,depth,object,luma,albedo -q -o frame.exr
   mkdir frame
   "$STYLUT_BUILD/tests/shaders/draw_frame" bundle frame.exr frame >said.txt 2>&1 || true

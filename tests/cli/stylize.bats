@@ -18,6 +18,27 @@ setup_file() {
 # take: the frames and the bundle, as links.
 take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
 
+@test "one frame of a sequence, pixels as of the picture, and what is asked for in vain" {
+  take
+  accept stylize bundle --guide 'f.%04d.exr' --frames 3 -o 'a.%04d.png'
+  expect frames "$(ls a.*.png)" a.0003.png
+  accept stylize bundle --guide f.0001.exr -o full.png --format json
+  local full=$output
+  printf '%s\n' "$full" >full.json
+  printf '%s\n' "$("$STYLUT" stylize bundle --guide f.0001.exr -o small.png --resolution double --format json)" >small.json
+  expect size "$(json small.json 'r.size.join()')" 80,80
+  expect_less 'a quarter of the pixels, or nearly' "$(json full.json "Math.abs(r.covered / 4 - $(json small.json r.covered))")" 200
+  refuse 1 "expected a style's name ('oil') or a number from 1 to 1" stylize bundle --guide f.0001.exr -o x.png --style olive
+  refuse 1 'expected it with --method styleblit or brute' stylize bundle --guide f.0001.exr -o x.png --method lit-sphere --chunks c.png
+  refuse 3 "found a scene, expected a guide, as 'stylut guide scene' makes of one" stylize bundle --guide "$STYLUT_ROOT/exemplars/creature.ply" -o x.png
+  refuse 1 "'hash', expected hatch, noise or a picture's name" toon --guide f.0001.exr --texture hash -o x.png
+  refuse 1 "expected no place for a number: one frame's guide" toon --guide 'f.%04d.exr' -o x.png
+  refuse 1 "expected no place for a number: one frame's guide" outline --guide 'f.%04d.exr' -o x.png
+  accept outline --guide f.0001.exr --colour '#ff0000' --no-history -o a.png
+  accept outline --guide f.0001.exr --colour ff0000 --no-history -o b.png
+  expect_same a.png b.png
+}
+
 @test "a sequence is its frames, whatever the threads" {
   take
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --chunks 'c.%d.png' --nnf 'n.%02d.png' -j 1 -q
@@ -148,7 +169,7 @@ overall() { sed -n '/overall/,$p' "$2" | grep -o "\"$1\": [0-9.e-]*" | head -1; 
   take
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --measure m.json --set colour_weight=0.5 2>said >text
   expect 'jumps' "$(overall jumps m.json)" ''
-  expect 'warnings' "$(cat said)" "stylut: warning: f.0001.exr: found no channel albedo, which colours, expected it for a style of the bundle
+  expect 'warnings' "$(cat said)" "stylut: warning: f.0001.exr: found no channel albedo, which colours, expected it for style 'oil'
 stylut: warning: f.%04d.exr: found no albedo in 5 more frames
 stylut: warning: f.%04d.exr: found 0 of 6 frames with motion.U and motion.V and the frame before, expected them of all but the first for warp_mean, warp_rms and jumps"
 }
