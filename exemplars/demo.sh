@@ -43,7 +43,7 @@ done
 printf ' ] }\n' >>"$manifest"
 
 say "bundle of ${#styles[@]} styles"
-step pack "$stylut" pack "$manifest" -o "$out/bundle" -q
+step pack "$stylut" pack "$manifest" --allow-outside -o "$out/bundle" -q
 step validate "$stylut" validate "$out/bundle" -q
 for style in "${styles[@]}"; do
   say "$style: stylize"

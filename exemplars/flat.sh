@@ -20,7 +20,7 @@ scatters=(0 6 12 24 48)
   done
   printf '] }\n'
 } >styles.json
-"$stylut" pack styles.json -q -o bundle
+"$stylut" pack styles.json --allow-outside -q -o bundle
 
 # number KEY FILE: of what --measure wrote for all frames.
 number() { sed -n '/^  "overall"/,$ s/^ *"'"$1"'": \([-+.e0-9]*\).*/\1/p' "$2"; }

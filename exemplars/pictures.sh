@@ -31,7 +31,7 @@ oiiotool --nosoftwareattrib "$demo/contact.png" --resize 50% -d uint8 --eraseatt
 # What blending does, as a heat map: the borders between the pieces.
 printf '{"schema": "stylut-bundle/1", "styles": [{"name": "oil", "exemplar": "%s", "params": {"radius": 0}}]}' \
   "$(realpath "$(dirname "$0")/spheres/oil.png")" >"$demo/sharp.json"
-"$stylut" pack "$demo/sharp.json" -o "$demo/sharp" -q
+"$stylut" pack "$demo/sharp.json" --allow-outside -o "$demo/sharp" -q
 "$stylut" stylize "$demo/sharp" --guide "$demo/frame.exr" -o "$demo/sharp.png" -q
 "$stylut" compare "$demo/oil.png" "$demo/sharp.png" --failpercent 100 -o "$demo/heat.png" -q
 oiiotool --nosoftwareattrib "$demo/heat.png" --resize 450x512 -d uint8 --eraseattrib '.*' --attrib DateTime '2000:01:01 00:00:00' -o "$out/heat.png"
