@@ -9,8 +9,9 @@ FUZZ_SECONDS ?= 60
 prefix ?= /usr/local
 bindir = $(prefix)/bin
 libdir = $(prefix)/lib
-# Where the tool looks for the image module, from bindir: ../lib.
+# The image module, and where the tool looks for it, from its own folder.
 moduledir = $(prefix)/lib
+module_path = . ../lib
 includedir = $(prefix)/include
 docdir = $(prefix)/share/doc/stylut
 glsldir = $(prefix)/share/stylut/glsl
@@ -30,9 +31,10 @@ AR ?= ar
 BUILD_PACKAGES = gcc g++ libembree-dev libopenimageio-dev libpng-dev zlib1g-dev libflann-dev libassimp-dev libjansson-dev nettle-dev \
   $(if $(filter 1,$(CGAL)),libcgal-dev)
 DEMO_PACKAGES = $(BUILD_PACKAGES) openimageio-tools fonts-dejavu-core ninja-build help2man
-TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils man-db zsh \
+TEST_PACKAGES = $(DEMO_PACKAGES) clang libclang-rt-14-dev libomp-dev libcmocka-dev bats pkg-config chromium gnuplot-nox libxml2-utils man-db zsh slurm-wlm munge \
   libepoxy-dev libegl-dev libegl1 libgles2 libgl1 libgl1-mesa-dri
 BENCH_PACKAGES = $(TEST_PACKAGES) libcgal-dev libnanoflann-dev apngasm assimp-testmodels time
+DEB_PACKAGES = $(BUILD_PACKAGES) libcgal-dev debhelper dpkg-dev fakeroot help2man lintian debootstrap
 STYLE_PACKAGES = clang-format shellcheck
 
 # ---- configurations ---------------------------------------------------------
@@ -56,8 +58,9 @@ BUILD = build/$(config)$(if $(filter-out gcc,$(CC)),-$(notdir $(CC)))$(if $(filt
 # -ffp-contract=off: the same bytes from every compiler and processor. Nothing
 # of ours asks libm for errno or waits for traps, which would keep square roots
 # and choices from being vectors.
+# No path of this machine, and no time, gets into what is built.
 COMMON = $(OPTIMIZE_$(config)) -Wall -Wextra -Wshadow -Wvla -ffp-contract=off -fno-math-errno -fPIC -Iinclude -Isrc -MMD -MP \
-  -D_GNU_SOURCE -DSTY_VERSION='"$(VERSION)"' -isystem /usr/include/Imath $(if $(filter 1,$(CGAL)),-DSTY_WITH_CGAL)
+  -ffile-prefix-map=$(CURDIR)=. -D_GNU_SOURCE -DSTY_VERSION='"$(VERSION)"' -isystem /usr/include/Imath $(if $(filter 1,$(CGAL)),-DSTY_WITH_CGAL)
 CFLAGS_ALL = -std=c11 $(COMMON) -fno-trapping-math -Wstrict-prototypes -Wmissing-prototypes -fopenmp $(CFLAGS)
 CXXFLAGS_ALL = -std=c++17 $(COMMON) -frounding-math $(CXXFLAGS)
 # The runtime knows nothing of the rest, OpenMP and GNU extensions included.
@@ -88,6 +91,8 @@ TESTS = $(patsubst %.c,$(BUILD)/%,$(TEST_SOURCES))
 GLSL_PASSES = transfer look_up expand blend halve toon contours columns lines lay
 SHADERS = $(foreach dialect,330 es300,$(BUILD)/glsl/$(dialect)/full_screen.vert \
   $(patsubst %,$(BUILD)/glsl/$(dialect)/%.frag,$(GLSL_PASSES)))
+# Preloaded, it lets allocations fail.
+FAULTS = $(BUILD)/tests/faults/fail_allocation.so
 FUZZERS = $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 
 .DELETE_ON_ERROR:
@@ -105,7 +110,7 @@ $(shell mkdir -p $(BUILD); printf '%s' "$(subst ",\",$(STAMP_TEXT))" | cmp -s - 
 all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(EXAMPLES) $(SHADERS) ## build the tool, the libraries, shaders and the examples
 
 $(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY)
-	$(LINK) $(call look_in,. ../lib) -o $@ $^ $(LIBRARIES)
+	$(LINK) $(call look_in,$(module_path)) -o $@ $^ $(LIBRARIES)
 
 # Image files: a module of its own, see src/bridge/codec.h.
 $(MODULE): $(call objects,$(MODULE_SOURCES)) $(LIBRARY)
@@ -142,6 +147,9 @@ endif
 $(BUILD)/%.c.o: %.c Makefile $(STAMP)
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS_ALL) -c -o $@ $<
+
+# They hold what they write.
+$(BUILD)/tools/init.c.o $(BUILD)/tools/batch_slurm.c.o: $(wildcard tools/files/*)
 
 $(BUILD)/%.cpp.o: %.cpp Makefile $(STAMP)
 	@mkdir -p $(@D)
@@ -181,6 +189,8 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
 	$(LINK) $(call look_in,../..) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -lcmocka
 
 # Fuzz targets take what they are fed from libFuzzer in config=fuzz, else from files.
+$(FAULTS): $(BUILD)/tests/faults/fail_allocation.c.o
+	$(LINK) -shared -o $@ $<
 $(FUZZERS): $(BUILD)/tests/fuzz/files.c.o
 ifeq ($(config),fuzz)
 $(FUZZERS): private LDFLAGS += -fsanitize=fuzzer
@@ -196,18 +206,20 @@ missing_node = command -v npm >/dev/null || printf 'nodejs npm '
 
 .PHONY: deps
 deps: ## install the Debian packages that building, demo and tests need
-	@wanted=$$($(call missing,$(BENCH_PACKAGES) $(STYLE_PACKAGES)); $(missing_node)); \
+	@wanted=$$($(call missing,$(BENCH_PACKAGES) $(STYLE_PACKAGES) $(DEB_PACKAGES)); $(missing_node)); \
 	if [ -n "$$wanted" ]; then as=; [ "$$(id -u)" = 0 ] || as=sudo; \
 	  echo "installing: $$wanted"; \
 	  $$as apt-get update && DEBIAN_FRONTEND=noninteractive $$as apt-get install -y --no-install-recommends $$wanted; fi
 
-.PHONY: ensure-demo-packages ensure-test-packages ensure-bench-packages
+.PHONY: ensure-demo-packages ensure-test-packages ensure-bench-packages ensure-deb-packages
 ensure-demo-packages:
 	@[ -z "$$($(call missing,$(DEMO_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
 ensure-test-packages:
 	@[ -z "$$($(call missing,$(TEST_PACKAGES)); $(missing_node))" ] || $(MAKE) --no-print-directory deps
 ensure-bench-packages:
 	@[ -z "$$($(call missing,$(BENCH_PACKAGES)); $(missing_node))" ] || $(MAKE) --no-print-directory deps
+ensure-deb-packages:
+	@[ -z "$$($(call missing,$(DEB_PACKAGES)))" ] || $(MAKE) --no-print-directory deps
 
 # ---- demo, tests, bench -----------------------------------------------------
 .PHONY: demo run-demo
@@ -219,7 +231,7 @@ run-demo: $(TOOL) $(MODULE)
 .PHONY: test run-tests
 test: ensure-test-packages ## run every test (under 15 minutes on two cores)
 	@$(MAKE) --no-print-directory run-tests
-run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/shaders/draw_frame $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh
+run-tests: all $(TESTS) $(FUZZERS) $(PAINT) $(BUILD)/tests/pack/write_ktx2 $(BUILD)/tests/shaders/draw_frame $(BUILD)/tests/bench/pieces $(BUILD)/tests/bench/big_mesh $(FAULTS)
 	@CC='$(CC)' CXX='$(CXX)' tests/run.sh $(BUILD) $(config) $(TESTS)
 
 .PHONY: fuzz run-fuzz
@@ -227,6 +239,23 @@ fuzz: ensure-test-packages ## feed every reader made-up files, FUZZ_SECONDS=60 e
 	@$(MAKE) --no-print-directory config=fuzz CC=clang CXX=clang++ run-fuzz
 run-fuzz: $(FUZZERS)
 	@tests/fuzz/fuzz.sh $(BUILD) $(FUZZ_SECONDS) $(FUZZERS)
+
+.PHONY: soak run-soak faults run-faults
+soak: ensure-test-packages ## long runs: 2,000 frames by one process, 1,000 styles
+	@$(MAKE) --no-print-directory run-soak
+run-soak: $(TOOL) $(MODULE)
+	@tests/soak.sh $(TOOL) build/soak
+faults: ensure-test-packages ## every allocation of every command fails in turn; signals at 200 moments of each
+	@$(MAKE) --no-print-directory run-faults
+run-faults: $(TOOL) $(MODULE) $(FAULTS)
+	@STYLUT=$(CURDIR)/$(TOOL) STYLUT_BUILD=$(CURDIR)/$(BUILD) STYLUT_CONFIG=$(config) STYLUT_ROOT=$(CURDIR) STYLUT_DATA= STYLUT_FAULTS=0 \
+	  STYLUT_MOMENTS=200 bats tests/cli/faults.bats tests/cli/ended.bats
+
+.PHONY: matrix reproduce
+matrix: ensure-test-packages ## the demo by every compiler, vector unit and number of threads: the same bytes (an hour)
+	@tests/matrix.sh build/matrix
+reproduce: ensure-test-packages ## two builds in different folders: the same binaries
+	@tests/reproduce.sh build/reproduce
 
 .PHONY: bench
 bench: ensure-bench-packages ## speed and memory beside a reference in the same run
@@ -345,6 +374,17 @@ uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(mandir)/stylut.1 $(DESTDIR)$(mandir)/stylut-*.1 $(DESTDIR)$(bashdir)/stylut $(DESTDIR)$(zshdir)/_stylut
 	rm -f $(DESTDIR)$(libdir)/pkgconfig/libstylut.pc $(DESTDIR)$(libdir)/pkgconfig/libstylut_rt.pc
 	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir) $(DESTDIR)$(prefix)/share/stylut
+
+.PHONY: deb check-deb
+# Of what is committed or lies ready to be, in a folder of its own.
+deb: ensure-deb-packages ## Debian packages of the tool, the library and the runtime: build/deb
+	@rm -rf build/deb
+	@mkdir -p build/deb/stylut-$(VERSION)
+	@git ls-files -z --cached --others --exclude-standard | tar -c --null -T - | tar -x -C build/deb/stylut-$(VERSION)
+	@cd build/deb/stylut-$(VERSION) && dpkg-buildpackage -b -us -uc
+	@lintian --fail-on error,warning build/deb/*.changes
+check-deb: deb ## install the packages in a clean Debian, and use them there
+	@tests/deb.sh build/deb
 
 .PHONY: clean
 clean: ## remove build/
