@@ -65,14 +65,14 @@ CFLAGS_ALL = -std=c11 $(COMMON) -fno-trapping-math -Wstrict-prototypes -Wmissing
 CXXFLAGS_ALL = -std=c++17 $(COMMON) -frounding-math $(CXXFLAGS)
 # The runtime knows nothing of the rest, OpenMP and GNU extensions included.
 RUNTIME_CFLAGS = -std=c11 $(filter-out -D_GNU_SOURCE,$(COMMON)) -Wstrict-prototypes -Wmissing-prototypes $(CFLAGS)
-LIBRARIES = -lembree3 -lassimp -lflann -llz4 -ljansson -lnettle -lz \
+LIBRARIES = -ljansson -lnettle -lz \
   $(if $(filter 1,$(CGAL)),-lmpfr -lgmp) -lstdc++ -lm
 LINK = $(CC) -fopenmp $(OPTIMIZE_$(config)) $(LDFLAGS)
 
 # ---- what there is ----------------------------------------------------------
 RUNTIME_SOURCES = $(wildcard src/runtime/*.c)
-MODULE_SOURCES = src/bridge/oiio.cpp src/bridge/oiio_resize.cpp src/bridge/oiio_texture.cpp src/bridge/quiet_png.c
-LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES) $(MODULE_SOURCES),$(wildcard src/*/*.c src/bridge/*.cpp))
+OIIO_SOURCES = src/bridge/oiio.cpp src/bridge/oiio_resize.cpp src/bridge/oiio_texture.cpp src/bridge/quiet_png.c
+LIBRARY_SOURCES = $(filter-out $(RUNTIME_SOURCES) $(OIIO_SOURCES),$(wildcard src/*/*.c src/bridge/*.cpp))
 TOOL_SOURCES = $(wildcard tools/*.c)
 # Mesa doesn't get through in minutes where a sanitizer unwinds every allocation of its compiler.
 TEST_SOURCES = $(filter-out $(if $(filter sanitize,$(config)),tests/shaders/%),$(wildcard tests/*/test_*.c))
@@ -81,7 +81,8 @@ BENCH_SOURCES = $(wildcard tests/bench/*.c)
 objects = $(patsubst %,$(BUILD)/%.o,$(1))
 RUNTIME_LIBRARY = $(BUILD)/libstylut_rt.a
 LIBRARY = $(BUILD)/libstylut.a
-MODULE = $(BUILD)/libstylut_oiio.so
+OIIO_MODULE = $(BUILD)/libstylut_oiio.so
+MODULES = $(OIIO_MODULE) $(patsubst %,$(BUILD)/libstylut_%.so,embree assimp flann)
 TOOL = $(BUILD)/stylut
 PAINT = $(BUILD)/paint
 CREATURE = $(BUILD)/creature
@@ -107,15 +108,20 @@ $(shell mkdir -p $(BUILD); printf '%s' "$(subst ",\",$(STAMP_TEXT))" | cmp -s - 
   printf '%s' "$(subst ",\",$(STAMP_TEXT))" > $(STAMP))
 
 .PHONY: all
-all: $(TOOL) $(MODULE) $(LIBRARY) $(RUNTIME_LIBRARY) $(EXAMPLES) $(SHADERS) ## build the tool, the libraries, shaders and the examples
+all: $(TOOL) $(LIBRARY) $(RUNTIME_LIBRARY) $(EXAMPLES) $(SHADERS) ## build the tool, the libraries, shaders and the examples
 
-$(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY)
+$(TOOL): $(call objects,$(TOOL_SOURCES)) $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULES)
 	$(LINK) $(call look_in,$(module_path)) -o $@ $^ $(LIBRARIES)
 
-# Image files: a module of its own, see src/bridge/codec.h.
-$(MODULE): $(call objects,$(MODULE_SOURCES)) $(LIBRARY)
+# What is opened when it is first used, see src/bridge/module.h.
+$(OIIO_MODULE): $(call objects,$(OIIO_SOURCES)) $(LIBRARY)
 	$(LINK) -shared -Wl,--exclude-libs,ALL -o $@ $^ -lOpenImageIO -lOpenImageIO_Util -lpng16 -lnettle -lstdc++ -lm
-# $(call look_in,FOLDERS): where a program finds the module, relative to itself. As
+$(BUILD)/libstylut_%.so: $(STAMP)
+	$(CC) -shared -Wl,--no-as-needed -Wl,-soname,$(@F) -o $@ $(LDFLAGS) $(LIBRARIES_$*)
+LIBRARIES_embree = -lembree3
+LIBRARIES_assimp = -lassimp
+LIBRARIES_flann = -lflann -llz4
+# $(call look_in,FOLDERS): where a program finds the modules, relative to itself. As
 # RPATH, since sanitizers call dlopen in the program's stead.
 look_in = -Wl,--disable-new-dtags $(patsubst %,-Wl$(comma)-rpath$(comma)'$$ORIGIN/%',$(1))
 comma = ,
@@ -161,7 +167,7 @@ $(BUILD)/tools/bench.c.o: exemplars/charts/bench.csv
 
 # Programs of one or a few sources beside the tool.
 PAINT_SOURCES = $(wildcard exemplars/paint.c exemplars/paint/*.c)
-$(PAINT): $(call objects,$(PAINT_SOURCES)) $(LIBRARY) | $(MODULE)
+$(PAINT): $(call objects,$(PAINT_SOURCES)) $(LIBRARY) | $(MODULES)
 	$(LINK) $(call look_in,.) -o $@ $^ $(LIBRARIES)
 $(CREATURE): $(call objects,exemplars/creature.c) $(LIBRARY)
 	$(LINK) -o $@ $^ $(LIBRARIES)
@@ -183,9 +189,11 @@ $(foreach pass,$(GLSL_PASSES),$(eval $(call assemble_pass,$(pass))))
 
 # The shaders' twins are held together on Mesa's software renderer.
 $(BUILD)/tests/shaders/%: LIBRARIES += -lepoxy
+# What stylut is measured beside.
+$(BUILD)/tests/bench/% $(BUILD)/tests/zoo/%: LIBRARIES += $(LIBRARIES_embree) $(LIBRARIES_assimp) $(LIBRARIES_flann)
 $(BUILD)/tests/shaders/test_shaders $(BUILD)/tests/shaders/draw_frame: | $(SHADERS)
 
-$(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULE)
+$(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIBRARY) $(RUNTIME_LIBRARY) | $(MODULES)
 	$(LINK) $(call look_in,../..) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBRARIES) -lcmocka
 
 # Fuzz targets take what they are fed from libFuzzer in config=fuzz, else from files.
@@ -225,7 +233,7 @@ ensure-deb-packages:
 .PHONY: demo run-demo
 demo: ensure-demo-packages ## mesh and painted spheres to stylized pictures: build/demo/contact.png
 	@$(MAKE) --no-print-directory run-demo
-run-demo: $(TOOL) $(MODULE)
+run-demo: $(TOOL)
 	@exemplars/demo.sh $(TOOL) build/demo
 
 .PHONY: test run-tests
@@ -243,11 +251,11 @@ run-fuzz: $(FUZZERS)
 .PHONY: soak run-soak faults run-faults
 soak: ensure-test-packages ## long runs: 2,000 frames by one process, 1,000 styles
 	@$(MAKE) --no-print-directory run-soak
-run-soak: $(TOOL) $(MODULE)
+run-soak: $(TOOL)
 	@tests/soak.sh $(TOOL) build/soak
 faults: ensure-test-packages ## every allocation of every command fails in turn; signals at 200 moments of each
 	@$(MAKE) --no-print-directory run-faults
-run-faults: $(TOOL) $(MODULE) $(FAULTS)
+run-faults: $(TOOL) $(FAULTS)
 	@STYLUT=$(CURDIR)/$(TOOL) STYLUT_BUILD=$(CURDIR)/$(BUILD) STYLUT_CONFIG=$(config) STYLUT_ROOT=$(CURDIR) STYLUT_DATA= STYLUT_FAULTS=0 \
 	  STYLUT_MOMENTS=200 bats tests/cli/faults.bats tests/cli/ended.bats
 
@@ -261,14 +269,14 @@ reproduce: ensure-test-packages ## two builds in different folders: the same bin
 bench: ensure-bench-packages ## speed and memory beside a reference in the same run
 	@$(MAKE) --no-print-directory run-bench
 .PHONY: run-bench
-run-bench: $(TOOL) $(MODULE) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/engines
+run-bench: $(TOOL) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/engines
 	@tests/bench/bench.sh $(BUILD)
 
 # A mesh that fills memory rather than time: 1 GB of disk, 7 GB of memory.
 .PHONY: giant run-giant
 giant: ensure-bench-packages ## a guide of 50 million triangles: time by stage, peak memory, build/giant/giant.exr
 	@$(MAKE) --no-print-directory run-giant
-run-giant: $(TOOL) $(MODULE) $(BUILD)/tests/bench/big_mesh
+run-giant: $(TOOL) $(BUILD)/tests/bench/big_mesh
 	@tests/bench/giant.sh $(BUILD) build/giant
 
 # The libraries that ours is measured against.
@@ -282,7 +290,7 @@ $(BUILD)/tests/zoo/zoo: $(ZOO_OBJECTS) $(call objects,tests/zoo/chance.cpp tests
 .PHONY: zoo run-zoo
 zoo: ensure-bench-packages ## engines and raw libraries on guides that hurt: exemplars/charts/zoo.md; the importer on broken meshes
 	@$(MAKE) --no-print-directory run-zoo
-run-zoo: $(BUILD)/tests/zoo/zoo $(TOOL) $(MODULE)
+run-zoo: $(BUILD)/tests/zoo/zoo $(TOOL)
 	@tests/zoo/models.sh $(TOOL)
 	@$< > $(BUILD)/zoo.md && cp $(BUILD)/zoo.md exemplars/charts/.zoo.md && mv exemplars/charts/.zoo.md exemplars/charts/zoo.md
 
@@ -303,21 +311,21 @@ pictures: demo ## refresh the pictures that the README shows
 .PHONY: charts run-charts
 charts: ensure-test-packages ## measure and draw exemplars/charts anew, but for its bench.csv
 	@$(MAKE) --no-print-directory run-charts
-run-charts: $(TOOL) $(MODULE)
+run-charts: $(TOOL)
 	@exemplars/charts.sh $(TOOL) exemplars/charts $(wildcard $(STYLUT_DATA))
 
 # What guide scene --simplify leaves, and what that changes; times want an idle machine here, too.
 .PHONY: simplification run-simplification
 simplification: ensure-test-packages ## guide error, time and memory against triangles: exemplars/charts/simplify.csv and .svg
 	@$(MAKE) --no-print-directory run-simplification
-run-simplification: $(TOOL) $(MODULE)
+run-simplification: $(TOOL)
 	@exemplars/simplify.sh $(TOOL) exemplars/charts
 
 # What lut --resolve gives on turning figures; times want an idle machine here, too.
 .PHONY: coherence run-coherence
 coherence: ensure-bench-packages ## study of --resolve: exemplars/charts/coherence.csv and its pictures
 	@$(MAKE) --no-print-directory run-coherence
-run-coherence: $(TOOL) $(MODULE) $(BUILD)/tests/bench/pieces
+run-coherence: $(TOOL) $(BUILD)/tests/bench/pieces
 	@exemplars/coherence.sh $(TOOL) build/coherence
 	@exemplars/coherence_pictures.sh $(TOOL) build/coherence exemplars/pictures
 	@cp build/coherence/coherence.csv exemplars/charts/coherence.csv
@@ -326,14 +334,14 @@ run-coherence: $(TOOL) $(MODULE) $(BUILD)/tests/bench/pieces
 .PHONY: motion run-motion
 motion: ensure-test-packages ## study of --anchor: exemplars/charts/motion.csv and .svg
 	@$(MAKE) --no-print-directory run-motion
-run-motion: $(TOOL) $(MODULE)
+run-motion: $(TOOL)
 	@exemplars/motion.sh $(TOOL) build/motion exemplars/charts
 
 # What helps flat surfaces.
 .PHONY: flat run-flat
 flat: ensure-test-packages ## study of scatter and --frame ray: exemplars/charts/flat.csv and a picture
 	@$(MAKE) --no-print-directory run-flat
-run-flat: $(TOOL) $(MODULE)
+run-flat: $(TOOL)
 	@exemplars/flat.sh $(TOOL) build/flat exemplars/charts exemplars/pictures
 
 .PHONY: style
@@ -351,7 +359,7 @@ install: manual ## install under $(prefix), with DESTDIR
 	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(moduledir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir)
 	install -m 755 $(TOOL) $(DESTDIR)$(bindir)/stylut
 	install -m 644 $(LIBRARY) $(RUNTIME_LIBRARY) $(DESTDIR)$(libdir)/
-	install -m 644 $(MODULE) $(DESTDIR)$(moduledir)/
+	install -m 644 $(MODULES) $(DESTDIR)$(moduledir)/
 	install -m 644 include/stylut/*.h $(DESTDIR)$(includedir)/stylut/
 	install -m 644 LICENSE README.md CHANGELOG.md $(DESTDIR)$(docdir)/
 	install -d $(DESTDIR)$(mandir) $(DESTDIR)$(bashdir) $(DESTDIR)$(zshdir)
@@ -370,7 +378,7 @@ pkgconfig = printf '%s\n' 'prefix=$(prefix)' 'libdir=$(libdir)' 'includedir=$(in
 
 uninstall: ## remove what install put there
 	rm -f $(DESTDIR)$(bindir)/stylut $(DESTDIR)$(libdir)/libstylut.a $(DESTDIR)$(libdir)/libstylut_rt.a \
-	  $(DESTDIR)$(moduledir)/libstylut_oiio.so
+	  $(patsubst $(BUILD)/%,$(DESTDIR)$(moduledir)/%,$(MODULES))
 	rm -f $(DESTDIR)$(mandir)/stylut.1 $(DESTDIR)$(mandir)/stylut-*.1 $(DESTDIR)$(bashdir)/stylut $(DESTDIR)$(zshdir)/_stylut
 	rm -f $(DESTDIR)$(libdir)/pkgconfig/libstylut.pc $(DESTDIR)$(libdir)/pkgconfig/libstylut_rt.pc
 	rm -rf $(DESTDIR)$(includedir)/stylut $(DESTDIR)$(docdir) $(DESTDIR)$(prefix)/share/stylut

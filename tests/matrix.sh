@@ -27,8 +27,7 @@ for config in release debug; do
     cxx=g++
     folder=$config
     [ $compiler = clang ] && cxx=clang++ folder=$config-clang
-    make -s -j "$(nproc)" CC=$compiler CXX=$cxx config=$config "build/$folder/stylut" "build/$folder/libstylut_oiio.so" \
-      >"$out/build.log" 2>&1 || { cat "$out/build.log" && exit 1; }
+    make -s -j "$(nproc)" CC=$compiler CXX=$cxx config=$config "build/$folder/stylut" >"$out/build.log" 2>&1 || { cat "$out/build.log" && exit 1; }
     for unit in "${units[@]}"; do
       for threads in 1 2 3 4; do
         rows=$((rows + 1)) said=yes

@@ -1,47 +1,24 @@
 #include "bridge/codec.h"
 
-#include <dlfcn.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
 
-#include "base/memory.h"
+#include "bridge/module.h"
 #include "bridge/whole.h"
 #include "stylut/ceilings.h"
 #include "stylut/image_io.h"
 
-static pthread_once_t once = PTHREAD_ONCE_INIT;
 static const StyImageCodec *codec;
-static StyError cause;
-
-/* OpenImageIO, what it draws in, and a thread of its own per processor. */
-static const double MODULE_ADDRESSES = 700e6;
-
-/* Found beside the program, in ../lib, or where the system looks. Stays open:
- * libraries with threads of their own don't survive being unloaded. */
-static void open_module(void) {
-  const double room = sty_get_address_room(),
-               needed = MODULE_ADDRESSES + STY_THREAD_ADDRESSES * sysconf(_SC_NPROCESSORS_ONLN);
-  if (room < needed) {
-    sty_fail(&cause, STY_ERROR_LIBRARY,
-             "image module: found %.0f MB of addresses left, expected %.0f or more (ulimit -v)", room / 1e6,
-             needed / 1e6);
-    return;
-  }
-  void *module = dlopen(STY_CODEC_MODULE, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (module) codec = dlsym(module, STY_CODEC_SYMBOL);
-  if (!codec)
-    sty_fail(&cause, STY_ERROR_UNAVAILABLE,
-             "image module: %s; expected " STY_CODEC_MODULE " beside stylut or in ../lib", dlerror());
-}
+static const StySymbol SYMBOLS[] = {{"sty_image_codec", &codec}};
+static StyModule module = STY_MODULE("image module", "libstylut_oiio.so", 700e6, true, SYMBOLS);
 
 static StyStatus get_codec(const StyImageCodec **out, StyError *error) {
-  pthread_once(&once, open_module);
-  *out = codec;
-  return codec ? STY_OK : sty_fail(error, cause.status, "%s", cause.text);
+  const StyStatus status = sty_open_module(&module, error);
+  if (!status) *out = codec;
+  return status;
 }
 
 /* For a file that is to be read. */

@@ -1,6 +1,5 @@
-/* The image module's one door. Loading OpenImageIO and the hundred libraries
- * behind it takes longer than many a command runs, so it is a module of its
- * own (libstylut_oiio.so), opened when the first picture is read or written. */
+/* The image module's one door (libstylut_oiio.so, see module.h): OpenImageIO and the hundred libraries behind it are
+ * loaded when the first picture is read or written. */
 #ifndef STYLUT_BRIDGE_CODEC_H
 #define STYLUT_BRIDGE_CODEC_H
 
@@ -31,8 +30,6 @@ typedef struct StyImageCodec {
   bool (*sample_texture)(const StyTextureMap *texture, const double uv[2], bool nearest, float out[3]);
 } StyImageCodec;
 
-#define STY_CODEC_MODULE "libstylut_oiio.so"
-#define STY_CODEC_SYMBOL "sty_image_codec"
 extern const StyImageCodec sty_image_codec;
 
 #ifdef __cplusplus

@@ -157,7 +157,7 @@ bool sty_trace_rays(const StyTracer *tracer, const StyRays *rays, bool coherent,
   set_rays(&packet.ray, rays);
   EACH_LANE packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
   EACH_LANE packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect8(valid, tracer->scene, &context, &packet);
+  sty_embree.rtcIntersect8(valid, tracer->scene, &context, &packet);
   int any = 0;
   EACH_LANE {
     valid[i] = packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? 0 : valid[i];
@@ -215,7 +215,7 @@ void sty_trace_shadows(const StyTracer *tracer, const StyHits *hits, const StyLa
   set_rays(&packet, &rays);
   for (int i = 0; i < STY_RAYS; i++)
     if (asks[i]) packet.tfar[i] = (float)(distances[i] * (1 - LAMP_SLACK));
-  rtcOccluded8(asks, tracer->scene, &context, &packet);
+  sty_embree.rtcOccluded8(asks, tracer->scene, &context, &packet);
   for (int i = 0; i < STY_RAYS; i++)
     if (asks[i] && packet.tfar[i] < 0) asks[i] = 0;
 }

@@ -79,21 +79,21 @@ static bool count_bytes(void *context, ssize_t bytes, bool post) {
 }
 
 static RTCGeometry make_triangles(const StyTracer *tracer, const StyMesh *mesh) {
-  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = sty_embree.rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   if (!geometry) return NULL;
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
-                             3 * sizeof(float), mesh->vertex_count);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
-                             3 * sizeof(uint32_t), mesh->triangle_count);
-  rtcCommitGeometry(geometry);
+  sty_embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0,
+                                        3 * sizeof(float), mesh->vertex_count);
+  sty_embree.rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices, 0,
+                                        3 * sizeof(uint32_t), mesh->triangle_count);
+  sty_embree.rtcCommitGeometry(geometry);
   return geometry;
 }
 
 /* Attached under its number, which is how a hit names it. */
 static void attach(RTCScene scene, RTCGeometry geometry, unsigned number) {
   if (!geometry) return;
-  rtcAttachGeometryByID(scene, geometry, number);
-  rtcReleaseGeometry(geometry);
+  sty_embree.rtcAttachGeometryByID(scene, geometry, number);
+  sty_embree.rtcReleaseGeometry(geometry);
 }
 
 static bool report_building(void *context, double done) {
@@ -103,11 +103,12 @@ static bool report_building(void *context, double done) {
 }
 
 static RTCScene make_tree(const StyTracer *tracer) {
-  RTCScene scene = rtcNewScene(tracer->device);
+  RTCScene scene = sty_embree.rtcNewScene(tracer->device);
   const StyRun *run = tracer->run;
   if (!scene) return NULL;
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  if (run && run->progress) rtcSetSceneProgressMonitorFunction(scene, report_building, (void *)(uintptr_t)run);
+  sty_embree.rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  if (run && run->progress)
+    sty_embree.rtcSetSceneProgressMonitorFunction(scene, report_building, (void *)(uintptr_t)run);
   return scene;
 }
 
@@ -116,32 +117,33 @@ static RTCScene make_shared_tree(const StyTracer *tracer, const StyMesh *mesh) {
   RTCScene tree = make_tree(tracer);
   if (!tree) return NULL;
   attach(tree, make_triangles(tracer, mesh), 0);
-  rtcCommitScene(tree);
+  sty_embree.rtcCommitScene(tree);
   return tree;
 }
 
 static RTCGeometry make_instance(const StyTracer *tracer, RTCScene tree, const double matrix[3][4]) {
-  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  RTCGeometry geometry = sty_embree.rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
   if (!geometry) return NULL;
   float columns[12];
   for (int j = 0; j < 4; j++)
     for (int i = 0; i < 3; i++) columns[3 * j + i] = (float)matrix[i][j];
-  rtcSetGeometryInstancedScene(geometry, tree);
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-  rtcCommitGeometry(geometry);
+  sty_embree.rtcSetGeometryInstancedScene(geometry, tree);
+  sty_embree.rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  sty_embree.rtcCommitGeometry(geometry);
   return geometry;
 }
 
 static RTCGeometry make_spheres(const StyTracer *tracer) {
   const size_t count = (size_t)tracer->model->sphere_count;
-  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+  RTCGeometry geometry = sty_embree.rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
   if (!geometry) return NULL;
-  float *at = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
+  float *at = sty_embree.rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
+                                                 4 * sizeof(float), count);
   for (size_t s = 0; at && s < count; s++) {
     for (int k = 0; k < 3; k++) at[4 * s + (size_t)k] = (float)tracer->balls[s].centre[k];
     at[4 * s + 3] = (float)tracer->balls[s].radius;
   }
-  rtcCommitGeometry(geometry);
+  sty_embree.rtcCommitGeometry(geometry);
   return geometry;
 }
 
@@ -162,34 +164,33 @@ static void attach_all(StyTracer *tracer) {
   if (model->sphere_count) attach(tracer->scene, make_spheres(tracer), (unsigned)model->object_count);
 }
 
-/* TBB's threads and its heap; without room for them it ends the process. */
-static const double EMBREE_ADDRESSES = 500e6;
+#define SYMBOL(name) STY_MODULE_SYMBOL(sty_embree, name),
+struct StyEmbree sty_embree;
+static const StySymbol SYMBOLS[] = {STY_EMBREE_SYMBOLS(SYMBOL)};
+/* The addresses are those of TBB's threads and its heap. */
+static StyModule module = STY_MODULE("Embree", "libstylut_embree.so", 500e6, false, SYMBOLS);
 
 /* One thread builds, whatever the run asks for: the order of triangles in the
  * tree depends on the number of builders, and decides which of two triangles
  * wins where a ray meets their common edge. */
 static StyStatus build_tracer(StyTracer *tracer, const StyScene *scene, StyError *error) {
-  const StyStatus status = place_all(tracer, scene, error);
+  StyStatus status = place_all(tracer, scene, error);
+  if (!status) status = sty_open_module(&module, error);
   if (status) return status;
-  const double room = sty_get_address_room();
-  if (room < EMBREE_ADDRESSES)
-    return sty_fail(error, STY_ERROR_LIBRARY,
-                    "Embree: found %.0f MB of addresses left, expected %.0f or more (ulimit -v)", room / 1e6,
-                    EMBREE_ADDRESSES / 1e6);
-  tracer->device = rtcNewDevice("threads=1");
+  tracer->device = sty_embree.rtcNewDevice("threads=1");
   if (!tracer->device) {
-    const enum RTCError code = rtcGetDeviceError(NULL);
+    const enum RTCError code = sty_embree.rtcGetDeviceError(NULL);
     return sty_fail(error, STY_ERROR_LIBRARY, "Embree does not start (%s, code %d)",
                     code == RTC_ERROR_OUT_OF_MEMORY ? "found too little memory" : "no reason given", (int)code);
   }
-  rtcSetDeviceErrorFunction(tracer->device, keep_message, tracer);
-  rtcSetDeviceMemoryMonitorFunction(tracer->device, count_bytes, tracer);
+  sty_embree.rtcSetDeviceErrorFunction(tracer->device, keep_message, tracer);
+  sty_embree.rtcSetDeviceMemoryMonitorFunction(tracer->device, count_bytes, tracer);
   tracer->scene = make_tree(tracer);
   if (tracer->scene) {
     attach_all(tracer);
-    rtcCommitScene(tracer->scene);
+    sty_embree.rtcCommitScene(tracer->scene);
   }
-  if (rtcGetDeviceError(tracer->device) == RTC_ERROR_NONE && !tracer->message[0]) return STY_OK;
+  if (sty_embree.rtcGetDeviceError(tracer->device) == RTC_ERROR_NONE && !tracer->message[0]) return STY_OK;
   return sty_fail(error, STY_ERROR_LIBRARY, "Embree fails on %zu triangles: %s", sty_count_scene_triangles(scene),
                   tracer->message);
 }
@@ -213,14 +214,14 @@ double sty_get_tracer_bytes(const StyTracer *tracer) { return (double)tracer->mo
 void sty_close_tracer(StyTracer **closed) {
   if (!closed || !*closed) return;
   StyTracer *tracer = *closed;
-  if (tracer->scene) rtcReleaseScene(tracer->scene);
+  if (tracer->scene) sty_embree.rtcReleaseScene(tracer->scene);
   for (int m = 0; tracer->trees && m < tracer->model->mesh_count; m++)
-    if (tracer->trees[m]) rtcReleaseScene(tracer->trees[m]);
+    if (tracer->trees[m]) sty_embree.rtcReleaseScene(tracer->trees[m]);
   free(tracer->trees);
   free(tracer->users);
   free(tracer->placed);
   free(tracer->balls);
-  if (tracer->device) rtcReleaseDevice(tracer->device);
+  if (tracer->device) sty_embree.rtcReleaseDevice(tracer->device);
   free(tracer);
   *closed = NULL;
 }

@@ -5,7 +5,33 @@
 #include <embree3/rtcore.h>
 #include <stdatomic.h>
 
+#include "bridge/module.h"
 #include "guide/kernels.h"
+
+#define STY_EMBREE_SYMBOLS(X)           \
+  X(rtcAttachGeometryByID)              \
+  X(rtcCommitGeometry)                  \
+  X(rtcCommitScene)                     \
+  X(rtcGetDeviceError)                  \
+  X(rtcIntersect8)                      \
+  X(rtcNewDevice)                       \
+  X(rtcNewGeometry)                     \
+  X(rtcNewScene)                        \
+  X(rtcOccluded8)                       \
+  X(rtcReleaseDevice)                   \
+  X(rtcReleaseGeometry)                 \
+  X(rtcReleaseScene)                    \
+  X(rtcSetDeviceErrorFunction)          \
+  X(rtcSetDeviceMemoryMonitorFunction)  \
+  X(rtcSetGeometryInstancedScene)       \
+  X(rtcSetGeometryTransform)            \
+  X(rtcSetNewGeometryBuffer)            \
+  X(rtcSetSceneFlags)                   \
+  X(rtcSetSceneProgressMonitorFunction) \
+  X(rtcSetSharedGeometryBuffer)
+
+/* Embree, once a tracer was opened. */
+extern struct StyEmbree { STY_EMBREE_SYMBOLS(STY_MODULE_MEMBER) } sty_embree;
 
 /* How far from where it is Embree may see a surface, as a share of the numbers that place it: eight roundings of
  * floats. Random scenes needed two. */

@@ -6,36 +6,53 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bridge/module.h"
 #include "lut/engine.h"
 #include "stylut/version.h"
 
 const char *sty_get_search_library_version(void) { return "FLANN " FLANN_VERSION_; }
+
+#define FLANN_SYMBOLS(X)                      \
+  X(DEFAULT_FLANN_PARAMETERS)                 \
+  X(flann_set_distance_type)                  \
+  X(flann_build_index_float)                  \
+  X(flann_find_nearest_neighbors_index_float) \
+  X(flann_radius_search_float)                \
+  X(flann_free_index_float)
+
+static struct { FLANN_SYMBOLS(STY_MODULE_MEMBER) } flann;
+#define SYMBOL(name) STY_MODULE_SYMBOL(flann, name),
+static const StySymbol SYMBOLS[] = {FLANN_SYMBOLS(SYMBOL)};
+static StyModule module = STY_MODULE("FLANN", "libstylut_flann.so", 50e6, false, SYMBOLS);
 
 typedef struct Index {
   flann_index_t index;
   struct FLANNParameters parameters;
 } Index;
 
-static struct FLANNParameters get_parameters(enum flann_algorithm_t algorithm) {
-  struct FLANNParameters parameters = DEFAULT_FLANN_PARAMETERS;
-  parameters.algorithm = algorithm;
-  parameters.cores = 1; /* the rows are what runs in parallel */
-  parameters.log_level = FLANN_LOG_NONE;
-  parameters.random_seed = 1;
-  return parameters;
+/* Before anything else of FLANN's. */
+static StyStatus get_parameters(enum flann_algorithm_t algorithm, struct FLANNParameters *out, StyError *error) {
+  const StyStatus status = sty_open_module(&module, error);
+  if (status) return status;
+  *out = *flann.DEFAULT_FLANN_PARAMETERS;
+  out->algorithm = algorithm;
+  out->cores = 1; /* the rows are what runs in parallel */
+  out->log_level = FLANN_LOG_NONE;
+  out->random_seed = 1;
+  return STY_OK;
 }
 
 static StyStatus open_index(const char *name, const StyPoints *points, Index *index, StyError *error) {
   float speedup;
   /* A global of the library's, which its other users may have changed. */
-  flann_set_distance_type(FLANN_DIST_EUCLIDEAN, 0);
-  index->index =
-      flann_build_index_float(points->values, (int)points->count, points->measure.dims, &speedup, &index->parameters);
+  flann.flann_set_distance_type(FLANN_DIST_EUCLIDEAN, 0);
+  index->index = flann.flann_build_index_float(points->values, (int)points->count, points->measure.dims, &speedup,
+                                               &index->parameters);
   index->parameters.random_seed = 0; /* or every single query would seed the C library's generator anew */
   return index->index ? STY_OK : sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN could not build its index", name);
 }
 
-static void close_index(Index *index) { flann_free_index_float(index->index, &index->parameters); }
+static void close_index(Index *index) { flann.flann_free_index_float(index->index, &index->parameters); }
 
 /* ---- exact -------------------------------------------------------------------- */
 
@@ -44,7 +61,8 @@ static bool find_nearest(const StySearch *search, const float *at, int count, in
   struct FLANNParameters parameters = index->parameters;
   float query[STY_MOST_DIMS], distances[64];
   memcpy(query, at, (size_t)search->points->measure.dims * sizeof *query);
-  return flann_find_nearest_neighbors_index_float(index->index, query, 1, found, distances, count, &parameters) == 0;
+  return flann.flann_find_nearest_neighbors_index_float(index->index, query, 1, found, distances, count, &parameters) ==
+         0;
 }
 
 static int find_within(const StySearch *search, const float *at, float squared_radius, int most, int *found) {
@@ -54,7 +72,8 @@ static int find_within(const StySearch *search, const float *at, float squared_r
   memcpy(query, at, (size_t)search->points->measure.dims * sizeof *query);
   float *distances = malloc((size_t)most * sizeof *distances);
   if (!distances) return -1;
-  const int count = flann_radius_search_float(index->index, query, found, distances, most, squared_radius, &parameters);
+  const int count =
+      flann.flann_radius_search_float(index->index, query, found, distances, most, squared_radius, &parameters);
   free(distances);
   return count;
 }
@@ -63,9 +82,10 @@ StyStatus sty_build_flann_single(const StySites *sites, const StyEngineOptions *
                                  StyError *error) {
   (void)options;
   StyPoints points;
-  StyStatus status = sty_collapse_sites(sites, &lut->spec, &points, error);
+  Index index = {0};
+  StyStatus status = get_parameters(FLANN_INDEX_KDTREE_SINGLE, &index.parameters, error);
+  if (!status) status = sty_collapse_sites(sites, &lut->spec, &points, error);
   if (status) return status;
-  Index index = {NULL, get_parameters(FLANN_INDEX_KDTREE_SINGLE)};
   index.parameters.leaf_max_size = 10;
   index.parameters.eps = 0;
   lut->unique = points.count;
@@ -97,8 +117,8 @@ static StyStatus answer_row(const Job *job, int j, float *queries, int *found, f
     memcpy(queries + i * measure->dims, query.at, (size_t)measure->dims * sizeof *queries);
   }
   struct FLANNParameters parameters = job->index->parameters;
-  if (flann_find_nearest_neighbors_index_float(job->index->index, queries, width, found, distances, 1, &parameters) !=
-      0)
+  if (flann.flann_find_nearest_neighbors_index_float(job->index->index, queries, width, found, distances, 1,
+                                                     &parameters) != 0)
     return sty_fail(error, STY_ERROR_LIBRARY, "engine %s: FLANN's search failed", job->name);
   for (int i = 0; i < width; i++) {
     if (found[i] < 0 || (size_t)found[i] >= job->points->count)
@@ -201,7 +221,9 @@ static StyStatus build_forest(const char *name, const StySites *sites, struct FL
 
 StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                                  StyError *error) {
-  struct FLANNParameters parameters = get_parameters(FLANN_INDEX_KDTREE);
+  struct FLANNParameters parameters;
+  const StyStatus status = get_parameters(FLANN_INDEX_KDTREE, &parameters, error);
+  if (status) return status;
   parameters.trees = options->trees;
   parameters.checks = options->checks;
   return build_forest("flann-forest", sites, parameters, 0, lut, run, error);
@@ -209,7 +231,9 @@ StyStatus sty_build_flann_forest(const StySites *sites, const StyEngineOptions *
 
 StyStatus sty_build_flann_auto(const StySites *sites, const StyEngineOptions *options, StyLut *lut, const StyRun *run,
                                StyError *error) {
-  struct FLANNParameters parameters = get_parameters(FLANN_INDEX_KDTREE);
+  struct FLANNParameters parameters;
+  const StyStatus status = get_parameters(FLANN_INDEX_KDTREE, &parameters, error);
+  if (status) return status;
   parameters.trees = sty_default_engine_options.trees;
   return build_forest("flann-auto", sites, parameters, options->precision, lut, run, error);
 }

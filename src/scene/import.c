@@ -14,6 +14,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "bridge/module.h"
 #include "scene/faults.h"
 #include "scene/fit.h"
 #include "scene/import.h"
@@ -23,6 +24,25 @@
 #include "stylut/file.h"
 #include "stylut/mesh.h"
 #include "stylut/version.h"
+
+#define ASSIMP_SYMBOLS(X)  \
+  X(aiApplyPostProcessing) \
+  X(aiAttachLogStream)     \
+  X(aiDetachLogStream)     \
+  X(aiGetErrorString)      \
+  X(aiGetMaterialColor)    \
+  X(aiGetMaterialString)   \
+  X(aiGetMaterialTexture)  \
+  X(aiGetVersionMajor)     \
+  X(aiGetVersionMinor)     \
+  X(aiGetVersionPatch)     \
+  X(aiImportFile)          \
+  X(aiReleaseImport)
+
+static struct { ASSIMP_SYMBOLS(STY_MODULE_MEMBER) } assimp;
+#define SYMBOL(name) STY_MODULE_SYMBOL(assimp, name),
+static const StySymbol SYMBOLS[] = {ASSIMP_SYMBOLS(SYMBOL)};
+static StyModule module = STY_MODULE("Assimp", "libstylut_assimp.so", 50e6, false, SYMBOLS);
 
 enum { MAX_NODE_DEPTH = 256 };
 
@@ -89,7 +109,7 @@ static StyStatus check_extension(const char *path, StyError *error) {
 
 static StyStatus fail_library(const char *path, StyError *error) {
   char reason[256];
-  snprintf(reason, sizeof reason, "%s", aiGetErrorString());
+  snprintf(reason, sizeof reason, "%s", assimp.aiGetErrorString());
   reason[strcspn(reason, "\r\n")] = '\0';
   return sty_fail(error, STY_ERROR_INPUT, "%s: expected a mesh; the importer says: %s", path,
                   reason[0] ? reason : "nothing");
@@ -100,7 +120,8 @@ static StyStatus fail_library(const char *path, StyError *error) {
 static bool name_texture(const struct aiMaterial *material, struct aiString *name, unsigned *uv_set) {
   static const enum aiTextureType TYPES[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
   for (size_t t = 0; t < sizeof TYPES / sizeof *TYPES; t++)
-    if (aiGetMaterialTexture(material, TYPES[t], 0, name, NULL, uv_set, NULL, NULL, NULL, NULL) == aiReturn_SUCCESS &&
+    if (assimp.aiGetMaterialTexture(material, TYPES[t], 0, name, NULL, uv_set, NULL, NULL, NULL, NULL) ==
+            aiReturn_SUCCESS &&
         name->length > 0)
       return true;
   return false;
@@ -194,7 +215,7 @@ static StyStatus cut_polygons(Import *import, StyError *error) {
     polygons = true;
   }
   if (!polygons) return STY_OK;
-  import->file = aiApplyPostProcessing(import->file, aiProcess_Triangulate);
+  import->file = assimp.aiApplyPostProcessing(import->file, aiProcess_Triangulate);
   return import->file ? STY_OK : fail_library(import->path, error);
 }
 
@@ -219,18 +240,22 @@ static void watch_log(const char *message, char *user) {
   if (!log->lost_materials) log->lost_materials = find_lost(message);
 }
 
+StyStatus sty_open_importer(StyError *error) { return sty_open_module(&module, error); }
+
 static StyStatus load_file(Import *import, StyError *error) {
+  StyStatus status = sty_open_importer(error);
+  if (status) return status;
   struct aiLogStream stream = {watch_log, (char *)(void *)&import->log};
-  aiAttachLogStream(&stream);
-  import->file = aiImportFile(import->path, 0);
-  aiDetachLogStream(&stream);
+  assimp.aiAttachLogStream(&stream);
+  import->file = assimp.aiImportFile(import->path, 0);
+  assimp.aiDetachLogStream(&stream);
   if (!import->file) return fail_library(import->path, error);
   if (import->log.bad_indices)
     return sty_fail(error, STY_ERROR_INPUT, "%s: a face asks for a vertex that the file does not hold", import->path);
   /* What materials do to texture coordinates becomes part of them. */
-  import->file = aiApplyPostProcessing(import->file, aiProcess_TransformUVCoords);
+  import->file = assimp.aiApplyPostProcessing(import->file, aiProcess_TransformUVCoords);
   if (!import->file) return fail_library(import->path, error);
-  StyStatus status = check_meshes(import, error);
+  status = check_meshes(import, error);
   return status == STY_OK ? cut_polygons(import, error) : status;
 }
 
@@ -533,10 +558,10 @@ static StyPaint read_paint(const Import *import, const Part *part, StyMesh *mesh
   struct aiColor4D colour;
   if (!has_materials(import->path) || part->mesh->mMaterialIndex >= import->file->mNumMaterials) return paint;
   const struct aiMaterial *material = import->file->mMaterials[part->mesh->mMaterialIndex];
-  if (aiGetMaterialString(material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+  if (assimp.aiGetMaterialString(material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
       strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
     return paint;
-  if (aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &colour) == aiReturn_SUCCESS) {
+  if (assimp.aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &colour) == aiReturn_SUCCESS) {
     const double found[3] = {(double)colour.r, (double)colour.g, (double)colour.b};
     for (int k = 0; k < 3; k++) paint.colour[k] = found[k] >= 0 && found[k] <= 1 ? found[k] : 1;
   }
@@ -558,7 +583,7 @@ static StyStatus read_paints(const Import *import, StyMesh *mesh, StyError *erro
 
 /* Lets go of the importer's copy, which nothing needs once corners are filled. */
 static void release_import(Import *import) {
-  if (import->file) aiReleaseImport(import->file);
+  if (import->file) assimp.aiReleaseImport(import->file);
   free(import->frames);
   free(import->parts);
   import->file = NULL;
@@ -597,6 +622,8 @@ StyStatus sty_import_mesh(const char *path, bool keep_normals, StyMesh **out, St
 
 const char *sty_get_mesh_library_version(void) {
   static _Thread_local char text[48];
-  snprintf(text, sizeof text, "Assimp %u.%u.%u", aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch());
+  if (sty_open_importer(NULL)) return "Assimp, which can't be opened";
+  snprintf(text, sizeof text, "Assimp %u.%u.%u", assimp.aiGetVersionMajor(), assimp.aiGetVersionMinor(),
+           assimp.aiGetVersionPatch());
   return text;
 }

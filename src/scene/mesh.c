@@ -159,7 +159,8 @@ static StyStatus run_importer(const char *path, bool keep_normals, StyMesh **out
                             .send = send_mesh,
                             .receive = receive_mesh,
                             .context = &reading};
-  const StyStatus status = sty_run_contained(&contained, error);
+  StyStatus status = sty_open_importer(error);
+  if (!status) status = sty_run_contained(&contained, error);
   if (status)
     sty_destroy_mesh(&reading.mesh);
   else

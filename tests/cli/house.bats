@@ -84,7 +84,7 @@ compile_with() {
 @test "make install, programs against it, make uninstall" {
   run_make install DESTDIR="$PWD/stage" prefix=/usr >make.log 2>&1 || { complain "make install: $(tail -n 3 make.log)"; return 1; }
   local file
-  for file in bin/stylut lib/libstylut.a lib/libstylut_rt.a lib/libstylut_oiio.so lib/pkgconfig/libstylut.pc lib/pkgconfig/libstylut_rt.pc \
+  for file in bin/stylut lib/libstylut.a lib/libstylut_rt.a lib/libstylut_{oiio,embree,assimp,flann}.so lib/pkgconfig/libstylut.pc lib/pkgconfig/libstylut_rt.pc \
     include/stylut/runtime.h share/doc/stylut/LICENSE share/stylut/glsl/README.md share/stylut/glsl/common.glsl \
     share/stylut/glsl/330/transfer.frag share/stylut/glsl/es300/full_screen.vert share/man/man1/stylut.1 \
     share/man/man1/stylut-guide-scene.1 share/bash-completion/completions/stylut share/zsh/site-functions/_stylut; do
@@ -138,7 +138,7 @@ int main(void) {
 }
 EOF
   compile_with libstylut large
-  expect 'the program against libstylut' "$(./large)" '208 136'
+  expect 'the program against libstylut' "$(LD_LIBRARY_PATH=$PWD/stage/usr/lib ./large)" '208 136'
   run_make uninstall DESTDIR="$PWD/stage" prefix=/usr >make.log 2>&1 || complain "make uninstall: $(tail -n 3 make.log)"
   expect 'files left behind' "$(find stage ! -type d)" ''
 }

@@ -69,6 +69,7 @@ complete_in_zsh() {
   expect checks "$(json - 'r.checks.filter(c => c.works).length + " of " + r.checks.length' <<<"$output")" '4 of 4'
   # A tool without its module reads no picture, and says so.
   cp "$STYLUT" stylut
+  cp "$STYLUT_BUILD"/libstylut_{embree,assimp,flann}.so .
   mkdir scratch
   local status=0
   TMPDIR=$PWD/scratch ./stylut doctor >out.txt 2>said.txt || status=$?
