@@ -269,7 +269,7 @@ reproduce: ensure-test-packages ## two builds in different folders: the same bin
 bench: ensure-bench-packages ## speed and memory beside a reference in the same run
 	@$(MAKE) --no-print-directory run-bench
 .PHONY: run-bench
-run-bench: $(TOOL) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/engines
+run-bench: $(TOOL) $(BUILD)/tests/bench/bench $(BUILD)/tests/bench/decode $(BUILD)/tests/bench/engines
 	@tests/bench/bench.sh $(BUILD)
 
 # A mesh that fills memory rather than time: 1 GB of disk, 7 GB of memory.
@@ -280,6 +280,8 @@ run-giant: $(TOOL) $(BUILD)/tests/bench/big_mesh
 	@tests/bench/giant.sh $(BUILD) build/giant
 
 # The libraries that ours is measured against.
+$(BUILD)/tests/bench/decode: $(call objects,tests/bench/decode.cpp)
+	$(LINK) -o $@ $^ -lOpenImageIO -lOpenImageIO_Util -lstdc++
 $(BUILD)/tests/bench/engines: $(BUILD)/tests/bench/peers.cpp.o
 
 # Guides that try to hurt a search, and what is said of them.

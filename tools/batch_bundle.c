@@ -337,6 +337,7 @@ static StyStatus plan_audit(Bundle *bundle, int number, StyError *error) {
 
 static StyStatus plan_luts(Bundle *bundle, StyError *error) {
   Edge edge = begin_bare_step(bundle, "luts", "luts.ktx2");
+  edge.is_wide = true;
   add_files(&edge, "luts", bundle->luts);
   return end_step(bundle, "tables", &edge, error);
 }
@@ -381,6 +382,7 @@ static StyStatus plan_whole(Bundle *bundle, StyError *error) {
                              bundle->name, "bundle", folder, "root", bundle->root, "index", bundle->index);
   Edge edge = begin_edge(recipe, recipe_name);
   edge.awaited = bundle->audits;
+  edge.is_wide = true; /* all is hashed */
   add_output(&edge, "output", output);
   for (int i = 0; i < STY_BUNDLE_FILES; i++) {
     name_part(bundle, sty_bundle_files[i], part);

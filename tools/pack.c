@@ -107,27 +107,138 @@ static const struct argp parser = {
     .children = children,
 };
 
-/* Source and table of a style; the next may have the same. */
+/* ---- styles --------------------------------------------------------------------- */
+
+/* Source and table of a style. */
 typedef struct Prepared {
-  const StyManifestStyle *style;
+  int style; /* -1: none */
   Source source;
   Table table;
+  bool same_table; /* as the style before has */
 } Prepared;
 
 static void close_prepared(Prepared *prepared) {
   close_source(&prepared->source);
   free(prepared->table.texels);
-  *prepared = (Prepared){.style = NULL};
+  *prepared = (Prepared){.style = -1};
+}
+
+/* Styles are prepared some at a time, by all threads, and written in their order. How many doesn't depend on the
+ * threads, so that it is always the same failure that is found first. */
+enum { MOST_AT_ONCE = 8 };
+typedef struct Handful {
+  const Packing *packing;
+  int first, count;
+  Prepared prepared[MOST_AT_ONCE], before; /* the style before the first */
+  Guide guides[MOST_AT_ONCE];
+  int guide_count, guide_of[MOST_AT_ONCE];
+} Handful;
+
+/* Bytes that styles hold at a time, beside the one that there must be. */
+static const double most_held = 1 << 27;
+
+static int count_at_once(const Packing *packing) {
+  enum { PIXEL_BYTES = 4 * sizeof(float) + 4 + 4 }; /* guide, its texels, an exemplar */
+  const double fit = most_held / ((double)packing->size.width * packing->size.height * PIXEL_BYTES);
+  return fit < 1 ? 1 : fit < MOST_AT_ONCE ? (int)fit : MOST_AT_ONCE;
+}
+
+/* Of the guides only the one that was used last may be wanted again. */
+static StyStatus open_guides(Handful *handful, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int i = 0; i < handful->guide_count - 1; i++) close_guide(&handful->guides[i]);
+  if (handful->guide_count > 1) handful->guides[0] = handful->guides[handful->guide_count - 1];
+  if (handful->guide_count > 1) handful->guide_count = 1;
+  for (int i = 0; !status && i < handful->count; i++) {
+    const int style = handful->first + i;
+    if (handful->guide_count == 0 || !is_same_guide(handful->packing, style - 1, style)) {
+      if (i == 0 && handful->guide_count) close_guide(&handful->guides[--handful->guide_count]);
+      status = open_guide(handful->packing, style, &handful->guides[handful->guide_count], error);
+      if (!status) handful->guide_count++;
+    }
+    handful->guide_of[i] = handful->guide_count - 1;
+  }
+  return status;
+}
+
+static StyStatus prepare_source(void *context, long i, StyError *error) {
+  Handful *handful = context;
+  Prepared *prepared = &handful->prepared[i];
+  prepared->style = handful->first + (int)i;
+  return open_source(handful->packing, prepared->style, &handful->guides[handful->guide_of[i]], &prepared->source,
+                     error);
 }
 
 /* Whether one table serves both: of one guide, asked for in the same words, with paint on the same pixels. */
 static bool is_same_table(const Packing *packing, const Prepared *a, const Prepared *b) {
-  const float *covered[2] = {sty_find_channel(a->source.guide, "A"), sty_find_channel(b->source.guide, "A")};
-  const size_t i = (size_t)(a->style - packing->manifest.styles), k = (size_t)(b->style - packing->manifest.styles);
-  return strcmp(a->style->guide, b->style->guide) == 0 && a->table.texels &&
-         (a->style->lut.written == b->style->lut.written || json_equal(a->style->lut.written, b->style->lut.written)) &&
-         memcmp(&packing->sizes[i], &packing->sizes[k], sizeof packing->sizes[i]) == 0 &&
-         memcmp(covered[0], covered[1], sty_count_pixels(a->source.guide) * sizeof(float)) == 0;
+  if (a->style < 0 || !is_same_guide(packing, a->style, b->style)) return false;
+  const json_t *asked[2] = {packing->manifest.styles[a->style].lut.written,
+                            packing->manifest.styles[b->style].lut.written};
+  return (asked[0] == asked[1] || json_equal(asked[0], asked[1])) &&
+         memcmp(sty_find_channel(a->source.guide, "A"), sty_find_channel(b->source.guide, "A"),
+                sty_count_pixels(a->source.guide) * sizeof(float)) == 0;
+}
+
+static StyStatus prepare_table(void *context, long i, StyError *error) {
+  Handful *handful = context;
+  Prepared *prepared = &handful->prepared[i];
+  if (prepared->same_table) return STY_OK;
+  return make_table(handful->packing, prepared->style, prepared->source.guide, &prepared->table, error);
+}
+
+static StyStatus copy_table(const Packing *packing, const Table *table, Table *out, StyError *error) {
+  const size_t size = (size_t)packing->lut_size * (size_t)packing->lut_size * 2 * sizeof *table->texels;
+  *out = *table;
+  out->texels = malloc(size);
+  if (!out->texels) return sty_fail_memory(error, "table", (double)size);
+  memcpy(out->texels, table->texels, size);
+  return STY_OK;
+}
+
+/* What is read may be warned of, in the styles' order; and where there are fewer tables than threads, each is better
+ * made by all of them. */
+static bool is_side_by_side(const Handful *handful, const StyRun *run) {
+  int tables = 0;
+  for (int i = 0; i < handful->count; i++) {
+    const StyManifestStyle *style = &handful->packing->manifest.styles[handful->first + i];
+    if (style->lut.file || style->lut.frames) return false;
+    tables += !handful->prepared[i].same_table;
+  }
+  return tables >= sty_get_threads(run);
+}
+
+static StyStatus prepare_tables(Handful *handful, const StyRun *run, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int i = 0; i < handful->count; i++)
+    handful->prepared[i].same_table =
+        is_same_table(handful->packing, i ? &handful->prepared[i - 1] : &handful->before, &handful->prepared[i]);
+  if (is_side_by_side(handful, run))
+    status = sty_parallel_for(run, handful->count, prepare_table, handful, error);
+  else
+    for (int i = 0; !status && i < handful->count; i++) status = prepare_table(handful, i, error);
+  for (int i = 0; !status && i < handful->count; i++) {
+    Prepared *prepared = &handful->prepared[i];
+    const Prepared *before = i ? prepared - 1 : &handful->before;
+    if (prepared->same_table) status = copy_table(handful->packing, &before->table, &prepared->table, error);
+  }
+  return status;
+}
+
+/* Without `tables`, all but those. */
+static StyStatus prepare_styles(Handful *handful, bool tables, StyError *error) {
+  const StyRun run = {.threads = handful->packing->arguments->options.threads};
+  StyStatus status = open_guides(handful, error);
+  if (!status) status = sty_parallel_for(&run, handful->count, prepare_source, handful, error);
+  if (!status && tables) status = prepare_tables(handful, &run, error);
+  return status;
+}
+
+/* The last one is the next handful's before. */
+static void close_styles(Handful *handful) {
+  close_prepared(&handful->before);
+  handful->before = handful->prepared[handful->count - 1];
+  for (int i = 0; i < handful->count - 1; i++) close_prepared(&handful->prepared[i]);
+  handful->prepared[handful->count - 1] = (Prepared){.style = -1};
 }
 
 /* Share of a guide without paint that no exemplar of the same picture has; paint without guide is common: canvas. */
@@ -154,24 +265,6 @@ void review_holes(const Options *options, const StyManifestStyle *style, size_t 
          "style '%s': found %zu entries of %s where the exemplar has no paint or the guide is empty, expected them on "
          "paint; without \"lut\" a table is made that is",
          clean_text(style->name), holes, clean_text(style->lut.file));
-}
-
-/* Replaces what `prepared` holds of the style before by this one's; without `tables`, all but its table. */
-static StyStatus prepare_style(const Packing *packing, int number, bool tables, Prepared *prepared, StyError *error) {
-  Prepared next = {.style = &packing->manifest.styles[number]};
-  StyStatus status = open_source(packing, number, &next.source, error);
-  if (!status && prepared->style && is_same_table(packing, prepared, &next)) {
-    next.table = prepared->table;
-    prepared->table.texels = NULL;
-  } else if (!status && tables) {
-    status = make_table(packing, number, next.source.guide, &next.table, error);
-  }
-  close_prepared(prepared);
-  *prepared = next;
-  if (status) return status;
-  review_overlap(packing, &packing->arguments->options, number, &prepared->source.overlap);
-  review_holes(&packing->arguments->options, prepared->style, prepared->table.holes);
-  return STY_OK;
 }
 
 static StyStatus read_jitter(const Packing *packing, const char *name, uint8_t *out, StyError *error) {
@@ -241,28 +334,44 @@ static StyBundleShape get_shape(const Packing *packing) {
   return shape;
 }
 
+static StyStatus write_style(const Packing *packing, const Prepared *prepared, int layer, StyBundleWriter *writer,
+                             json_t *styles, StyError *error) {
+  const Options *options = &packing->arguments->options;
+  const StyManifestStyle *style = &packing->manifest.styles[prepared->style];
+  StyStyle parameters = style->parameters;
+  review_overlap(packing, options, prepared->style, &prepared->source.overlap);
+  review_holes(options, style, prepared->table.holes);
+  review_parameters(options, style->name, &parameters, count_jitters(packing));
+  if (prepared->table.unorm8) parameters.flags |= STY_FLAG_UNORM8;
+  if (writer) {
+    const StyStatus status = sty_write_style(writer, (const uint8_t *const *)prepared->source.layers,
+                                             prepared->source.texels, prepared->table.texels, &parameters, error);
+    if (status) return status;
+  }
+  json_array_append_new(styles, describe_style(packing, prepared->style, &parameters, layer, &prepared->table));
+  return STY_OK;
+}
+
 /* Without a writer all is read, and no table made. */
 static StyStatus write_styles(const Packing *packing, StyBundleWriter *writer, json_t *styles, StyError *error) {
-  Prepared prepared = {.style = NULL};
+  const int count = packing->manifest.style_count, some = count_at_once(packing);
+  Handful handful = {.packing = packing, .before = {.style = -1}};
   StyStatus status = STY_OK;
   int layer = 0;
   const StyRun run = begin_progress(&packing->arguments->options, "packing");
-  for (int i = 0; !status && i < packing->manifest.style_count; i++) {
-    StyStyle parameters = packing->manifest.styles[i].parameters;
-    status = prepare_style(packing, i, writer, &prepared, error);
-    if (!status)
-      review_parameters(&packing->arguments->options, packing->manifest.styles[i].name, &parameters,
-                        count_jitters(packing));
-    if (prepared.table.unorm8) parameters.flags |= STY_FLAG_UNORM8;
-    if (!status && writer)
-      status = sty_write_style(writer, (const uint8_t *const *)prepared.source.layers, prepared.source.texels,
-                               prepared.table.texels, &parameters, error);
-    if (!status) json_array_append_new(styles, describe_style(packing, i, &parameters, layer, &prepared.table));
-    layer += sty_count_layers(&parameters);
-    if (run.progress) run.progress(run.context, (double)(i + 1) / packing->manifest.style_count);
+  for (; !status && handful.first < count; handful.first += handful.count) {
+    handful.count = count - handful.first < some ? count - handful.first : some;
+    status = prepare_styles(&handful, writer, error);
+    for (int i = 0; !status && i < handful.count; i++) {
+      status = write_style(packing, &handful.prepared[i], layer, writer, styles, error);
+      layer += sty_count_layers(&packing->manifest.styles[handful.first + i].parameters);
+    }
+    close_styles(&handful);
+    if (run.progress) run.progress(run.context, (double)(handful.first + handful.count) / count);
   }
   end_progress(&packing->arguments->options);
-  close_prepared(&prepared);
+  close_prepared(&handful.before);
+  for (int i = 0; i < handful.guide_count; i++) close_guide(&handful.guides[i]);
   return status;
 }
 
@@ -409,11 +518,12 @@ static StyStatus pack(Packing *packing, json_t *styles, StyError *error) {
   if (!status) status = settle_lut_size(packing, error);
   if (!status) status = get_jitters(packing, &jitters, error);
   const StyBundleShape shape = get_shape(packing);
+  const StyRun run = {.threads = options->threads};
   if (!status)
     status = options->dry_run ? sty_check_bundle_place(options->output, error)
                               : sty_open_bundle_writer(options->output, &shape, &writer, error);
   if (!status) status = write_styles(packing, writer, styles, error);
-  if (!status && writer) status = sty_commit_bundle(&writer, jitters, index, error);
+  if (!status && writer) status = sty_commit_bundle(&writer, jitters, index, &run, error);
   sty_discard_bundle(&writer);
   free(jitters);
   json_decref(index);

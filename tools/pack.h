@@ -52,6 +52,12 @@ typedef struct Overlap {
   size_t guided, painted;
 } Overlap;
 
+/* A guide as it is, and as the bundle has it, RGBA: many styles may share it. */
+typedef struct Guide {
+  StyImage *image;
+  uint8_t *texels;
+} Guide;
+
 /* One style's source. */
 typedef struct Source {
   uint8_t *layers[2 * STY_MAX_LIGHTINGS]; /* RGBA: exemplars, then their bases */
@@ -82,8 +88,14 @@ StyStatus check_guide_fits(const StyManifestStyle *style, Size exemplar, Size gu
 /* Fills sizes and size from the exemplars' headers. STY_ERROR_INPUT where they differ and no --fit says what to do. */
 StyStatus measure_exemplars(Packing *packing, StyError *error);
 
-/* Reads a style's exemplars and its guide, and makes its bases. The caller closes the source. */
-StyStatus open_source(const Packing *packing, int style, Source *out, StyError *error);
+/* Whether two styles have the same guide. The caller closes the guide that it opens. */
+bool is_same_guide(const Packing *packing, int a, int b);
+StyStatus open_guide(const Packing *packing, int style, Guide *out, StyError *error);
+void close_guide(Guide *guide);
+
+/* Reads a style's exemplars, takes what they have paint on of the style's guide, and makes its bases. The caller closes
+ * the source. Thread-safe. */
+StyStatus open_source(const Packing *packing, int style, const Guide *guide, Source *out, StyError *error);
 void close_source(Source *source);
 
 /* The parts of a source. All have the bundle's size.
@@ -95,8 +107,10 @@ StyStatus find_painted(const Packing *packing, int style, uint8_t *const *layers
 StyStatus get_guide(const Packing *packing, int style, StyImage **out, StyError *error);
 /* and less what isn't painted; */
 Overlap uncover_unpainted(StyImage *guide, const uint8_t *painted);
-/* RGBA of that, which the caller frees; */
+/* RGBA of either, which the caller frees; */
 StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error);
+/* the second from the first, whose texels have no alpha where nothing is covered; */
+Overlap leave_painted(const uint8_t *texels, const uint8_t *painted, size_t pixels, uint8_t *out);
 /* the exemplars' bases, behind them in `layers`, where the style has any. */
 StyStatus make_bases(const Packing *packing, int style, const StyImage *guide, uint8_t *layers[2 * STY_MAX_LIGHTINGS],
                      StyError *error);

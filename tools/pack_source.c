@@ -337,12 +337,26 @@ StyStatus encode_guide(const StyImage *guide, uint8_t **out, StyError *error) {
   return status;
 }
 
-static StyStatus mask_guide(const Packing *packing, int number, Source *source, StyError *error) {
-  const size_t pixels = sty_count_pixels(source->guide);
+Overlap leave_painted(const uint8_t *texels, const uint8_t *painted, size_t pixels, uint8_t *out) {
+  Overlap overlap = {0, 0};
+  for (size_t i = 0; i < pixels; i++) {
+    const bool covered = texels[4 * i + 3] > 0, kept = covered && painted[i];
+    overlap.guided += covered;
+    overlap.painted += kept;
+    for (size_t c = 0; c < 4; c++) out[4 * i + c] = kept ? texels[4 * i + c] : 0;
+  }
+  return overlap;
+}
+
+static StyStatus mask_guide(const Packing *packing, int number, const Guide *guide, Source *source, StyError *error) {
+  const size_t pixels = sty_count_pixels(guide->image);
   uint8_t *painted = malloc(pixels);
-  if (!painted) return sty_fail_memory(error, "guide", (double)pixels);
-  const StyStatus status = find_painted(packing, number, source->layers, painted, error);
-  if (!status) source->overlap = uncover_unpainted(source->guide, painted);
+  source->texels = malloc(4 * pixels);
+  StyStatus status = painted && source->texels ? sty_copy_image(guide->image, &source->guide, error)
+                                               : sty_fail_memory(error, "guide", 5.0 * (double)pixels);
+  if (!status) status = find_painted(packing, number, source->layers, painted, error);
+  if (!status) source->overlap = leave_painted(guide->texels, painted, pixels, source->texels);
+  if (!status) uncover_unpainted(source->guide, painted);
   free(painted);
   return status;
 }
@@ -358,12 +372,30 @@ StyStatus make_bases(const Packing *packing, int number, const StyImage *guide, 
   return status;
 }
 
-StyStatus open_source(const Packing *packing, int number, Source *out, StyError *error) {
+bool is_same_guide(const Packing *packing, int a, int b) {
+  return strcmp(packing->manifest.styles[a].guide, packing->manifest.styles[b].guide) == 0 &&
+         is_equal(packing->sizes[a], packing->sizes[b]);
+}
+
+StyStatus open_guide(const Packing *packing, int number, Guide *out, StyError *error) {
+  Guide guide = {NULL, NULL};
+  StyStatus status = get_guide(packing, number, &guide.image, error);
+  if (!status) status = encode_guide(guide.image, &guide.texels, error);
+  if (status) close_guide(&guide);
+  *out = guide;
+  return status;
+}
+
+void close_guide(Guide *guide) {
+  sty_destroy_image(&guide->image);
+  free(guide->texels);
+  guide->texels = NULL;
+}
+
+StyStatus open_source(const Packing *packing, int number, const Guide *guide, Source *out, StyError *error) {
   Source source = {0};
-  StyStatus status = get_guide(packing, number, &source.guide, error);
-  if (!status) status = read_exemplars(packing, number, source.layers, error);
-  if (!status) status = mask_guide(packing, number, &source, error);
-  if (!status) status = encode_guide(source.guide, &source.texels, error);
+  StyStatus status = read_exemplars(packing, number, source.layers, error);
+  if (!status) status = mask_guide(packing, number, guide, &source, error);
   if (!status) status = make_bases(packing, number, source.guide, source.layers, error);
   if (status)
     close_source(&source);

@@ -116,10 +116,13 @@ StyStatus check_lut_size(int fixed, const char *fixed_by, const StyManifestStyle
 static StyStatus find_needed_size(const Packing *packing, int number, int *out, StyError *error) {
   *out = DEFAULT_LUT_SIZE; /* what styles get that ask for nothing */
   if (!has_budget(&packing->manifest.styles[number])) return STY_OK;
+  Guide guide;
   Source source = {0};
-  StyStatus status = open_source(packing, number, &source, error);
+  StyStatus status = open_guide(packing, number, &guide, error);
+  if (!status) status = open_source(packing, number, &guide, &source, error);
   if (!status) status = choose_lut_size(packing, number, source.guide, out, error);
   close_source(&source);
+  close_guide(&guide);
   return status;
 }
 

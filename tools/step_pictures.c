@@ -91,15 +91,13 @@ static const uint8_t *find_earlier(const Earlier *earlier, const json_t *key) {
   return NULL;
 }
 
-/* Some styles at a time are read, by all threads, and written in their order. */
-enum { HANDFUL = 64 };
-typedef struct Handful {
+/* What all styles' layers are made with. */
+typedef struct Making {
   const Step *step;
   const Earlier *earlier;
-  int first;
-  uint8_t *layers[HANDFUL][2 * STY_MAX_LIGHTINGS];
-  const uint8_t *copies[HANDFUL]; /* whose layers are the earlier array's */
-} Handful;
+  StyKtx2 *texture;
+  int *first; /* layer of each style */
+} Making;
 
 static const json_t *get_key(const Step *step, int style) {
   return json_array_get(json_object_get(step->recipe.root, "keys"), (size_t)style);
@@ -129,58 +127,40 @@ static StyStatus add_bases(const Step *step, int style, uint8_t **layers, StyErr
   return status;
 }
 
-static StyStatus read_layers(void *context, long i, StyError *error) {
-  Handful *handful = context;
-  const Step *step = handful->step;
-  const int style = handful->first + (int)i;
-  uint8_t **layers = handful->layers[i];
-  const size_t size = 4 * (size_t)step->packing.size.width * (size_t)step->packing.size.height;
-  const uint8_t *earlier = handful->copies[i] = find_earlier(handful->earlier, get_key(step, style));
-  for (int k = 0; earlier && k < sty_count_layers(&step->packing.manifest.styles[style].parameters); k++)
-    layers[k] = (uint8_t *)(uintptr_t)(earlier + (size_t)k * size);
-  StyStatus status = earlier ? STY_OK : read_exemplars(&step->packing, style, layers, error);
+static StyStatus read_layers(const Step *step, int style, uint8_t **layers, StyError *error) {
+  StyStatus status = read_exemplars(&step->packing, style, layers, error);
   if (!status) status = make_mask(step, style, layers, error);
-  return status || earlier ? status : add_bases(step, style, layers, error);
+  return status ? status : add_bases(step, style, layers, error);
 }
 
-static void free_layers(Handful *handful, int count) {
-  for (int i = 0; i < count; i++)
-    for (int k = 0; k < 2 * STY_MAX_LIGHTINGS; k++) {
-      if (!handful->copies[i]) free(handful->layers[i][k]);
-      handful->layers[i][k] = NULL;
-    }
+static StyStatus write_layers(const Making *making, int style, uint8_t *const *layers, StyError *error) {
+  StyStatus status = STY_OK;
+  for (int k = 0; !status && k < sty_count_layers(&making->step->packing.manifest.styles[style].parameters); k++)
+    status = sty_place_ktx2_layer(making->texture, making->first[style] + k, layers[k], error);
+  return status;
 }
 
 /* The earlier array is as large as this one, and each of its layers is wanted once. */
-static void rest_copies(const Handful *handful, int count) {
-  const StyManifestStyle *styles = handful->step->packing.manifest.styles + handful->first;
-  const Size size = handful->step->packing.size;
-  for (int i = 0; i < count; i++)
-    if (handful->copies[i])
-      sty_rest_mapped(handful->copies[i],
-                      (size_t)sty_count_layers(&styles[i].parameters) * 4 * (size_t)size.width * (size_t)size.height);
+static StyStatus copy_layers(const Making *making, int style, const uint8_t *earlier, StyError *error) {
+  const Step *step = making->step;
+  const size_t size = 4 * (size_t)step->packing.size.width * (size_t)step->packing.size.height;
+  const int count = sty_count_layers(&step->packing.manifest.styles[style].parameters);
+  uint8_t *layers[2 * STY_MAX_LIGHTINGS];
+  for (int k = 0; k < count; k++) layers[k] = (uint8_t *)(uintptr_t)(earlier + (size_t)k * size);
+  StyStatus status = make_mask(step, style, layers, error);
+  if (!status) status = write_layers(making, style, layers, error);
+  sty_rest_mapped(earlier, (size_t)count * size);
+  return status;
 }
 
-static StyStatus write_exemplars(const Step *step, const Earlier *earlier, StyKtx2 *texture, StyError *error) {
-  const StyManifest *manifest = &step->packing.manifest;
-  const StyRun run = {.threads = step->arguments.options.threads};
-  const int threads = sty_get_threads(&run), some = 2 * threads < HANDFUL ? 2 * threads : HANDFUL;
-  Handful *handful = calloc(1, sizeof *handful);
-  if (!handful) return sty_fail_memory(error, step->output, sizeof *handful);
-  StyStatus status = STY_OK;
-  handful->step = step;
-  handful->earlier = earlier;
-  for (; !status && handful->first < manifest->style_count; handful->first += some) {
-    const int left = manifest->style_count - handful->first, count = left < some ? left : some;
-    memset(handful->copies, 0, sizeof handful->copies);
-    status = sty_parallel_for(&run, count, read_layers, handful, error);
-    for (int i = 0; !status && i < count; i++)
-      for (int k = 0; !status && k < sty_count_layers(&manifest->styles[handful->first + i].parameters); k++)
-        status = sty_write_ktx2_layer(texture, handful->layers[i][k], error);
-    rest_copies(handful, count);
-    free_layers(handful, count);
-  }
-  free(handful);
+static StyStatus make_layers(void *context, long style, StyError *error) {
+  const Making *making = context;
+  const uint8_t *earlier = find_earlier(making->earlier, get_key(making->step, (int)style));
+  if (earlier) return copy_layers(making, (int)style, earlier, error);
+  uint8_t *layers[2 * STY_MAX_LIGHTINGS] = {NULL};
+  StyStatus status = read_layers(making->step, (int)style, layers, error);
+  if (!status) status = write_layers(making, (int)style, layers, error);
+  for (int k = 0; k < 2 * STY_MAX_LIGHTINGS; k++) free(layers[k]);
   return status;
 }
 
@@ -195,21 +175,34 @@ static StyStatus write_keys(const Step *step, const char *path, StyError *error)
   return status;
 }
 
-StyStatus step_exemplars(Step *step, StyError *error) {
+static StyStatus write_exemplars(const Step *step, const char *made, const Earlier *earlier, StyError *error) {
   const StyManifest *manifest = &step->packing.manifest;
   const Size size = step->packing.size;
-  const char *keys = NULL;
+  const StyRun run = {.threads = step->arguments.options.threads};
   StyKtx2 texture;
-  Earlier earlier;
+  Making making = {step, earlier, &texture, calloc((size_t)manifest->style_count, sizeof *making.first)};
   int layers = 0;
+  if (!making.first) return sty_fail_memory(error, step->output, (double)manifest->style_count * sizeof *making.first);
+  for (int i = 0; i < manifest->style_count; i++) {
+    making.first[i] = layers;
+    layers += sty_count_layers(&manifest->styles[i].parameters);
+  }
+  StyStatus status = sty_open_ktx2(made, STY_VK_R8G8B8A8_SRGB, size.width, size.height, layers, &texture, error);
+  if (!status)
+    status = sty_end_ktx2(&texture, sty_parallel_for(&run, manifest->style_count, make_layers, &making, error), error);
+  free(making.first);
+  return status;
+}
+
+StyStatus step_exemplars(Step *step, StyError *error) {
+  const char *keys = NULL;
+  Earlier earlier;
   StyStatus status = sty_get_string(&step->recipe, NULL, step->recipe.root, "made_of", 1, &keys, error);
   if (status) return status;
-  for (int i = 0; i < manifest->style_count; i++) layers += sty_count_layers(&manifest->styles[i].parameters);
   char *made = name_made(step->output, error);
   if (!made) return STY_ERROR_LIBRARY;
   open_earlier(step, keys, &earlier);
-  status = sty_open_ktx2(made, STY_VK_R8G8B8A8_SRGB, size.width, size.height, layers, &texture, error);
-  if (!status) status = sty_end_ktx2(&texture, write_exemplars(step, &earlier, &texture, error), error);
+  status = write_exemplars(step, made, &earlier, error);
   close_earlier(&earlier);
   if (!status) status = put_made(step->output, error);
   if (!status) status = write_keys(step, keys, error);
@@ -219,50 +212,55 @@ StyStatus step_exemplars(Step *step, StyError *error) {
 
 /* ---- source guides ---- */
 
-/* A style's layer; the next often has the same guide, and the same outline. */
+/* A guide as it is written; the next style often has the same. */
 typedef struct Encoded {
   const char *guide; /* file; NULL: none yet */
-  uint8_t *painted, *texels;
-  Overlap overlap;
+  uint8_t *texels;
 } Encoded;
 
-static void free_encoded(Encoded *encoded) {
-  free(encoded->painted);
+static StyStatus encode_style(const Step *step, int style, Encoded *encoded, StyError *error) {
+  const char *file = get_step_file(step, "guides", (size_t)style, error);
+  if (!file) return STY_ERROR_INPUT;
+  if (encoded->guide && strcmp(encoded->guide, file) == 0) return STY_OK;
+  StyImage *guide = NULL;
   free(encoded->texels);
-  *encoded = (Encoded){.guide = NULL};
+  *encoded = (Encoded){NULL, NULL};
+  const Size size = step->packing.size;
+  StyStatus status = read_guide_texture(file, &guide, error);
+  if (!status && (guide->width != size.width || guide->height != size.height))
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found %dx%d pixels, expected %dx%d as exemplars have", file,
+                      guide->width, guide->height, size.width, size.height);
+  if (!status) status = encode_guide(guide, &encoded->texels, error);
+  if (!status) encoded->guide = file;
+  sty_destroy_image(&guide);
+  return status;
 }
 
-/* Replaces the style before, where this one's is another. */
-static StyStatus encode_style(const Step *step, int style, Encoded *encoded, StyError *error) {
+static StyStatus write_guide(const Step *step, int style, const Encoded *encoded, uint8_t *texels, StyKtx2 *texture,
+                             StyError *error) {
   const Size size = step->packing.size;
-  Encoded next = {.guide = get_step_file(step, "guides", (size_t)style, error)};
-  const char *mask = next.guide ? get_step_file(step, "masks", (size_t)style, error) : NULL;
-  if (!mask) return STY_ERROR_INPUT;
-  StyStatus status = read_mask(mask, size, &next.painted, error);
-  if (!status && encoded->guide && strcmp(encoded->guide, next.guide) == 0 &&
-      memcmp(encoded->painted, next.painted, (size_t)size.width * (size_t)size.height) == 0) {
-    free_encoded(&next);
-    return STY_OK;
-  }
-  StyImage *guide = NULL;
-  if (!status) status = read_guide_texture(next.guide, &guide, error);
-  if (!status) next.overlap = uncover_unpainted(guide, next.painted);
-  if (!status) status = encode_guide(guide, &next.texels, error);
-  sty_destroy_image(&guide);
-  free_encoded(encoded);
-  *encoded = next;
+  uint8_t *painted = NULL;
+  const char *mask = get_step_file(step, "masks", (size_t)style, error);
+  StyStatus status = mask ? read_mask(mask, size, &painted, error) : STY_ERROR_INPUT;
+  if (status) return status;
+  const Overlap overlap = leave_painted(encoded->texels, painted, (size_t)size.width * (size_t)size.height, texels);
+  status = sty_write_ktx2_layer(texture, texels, error);
+  if (!status) review_overlap(&step->packing, &step->arguments.options, style, &overlap);
+  free(painted);
   return status;
 }
 
 static StyStatus write_guides(const Step *step, StyKtx2 *texture, StyError *error) {
-  StyStatus status = STY_OK;
-  Encoded encoded = {.guide = NULL};
+  const size_t bytes = (size_t)texture->layer_size;
+  Encoded encoded = {NULL, NULL};
+  uint8_t *texels = malloc(bytes);
+  StyStatus status = texels ? STY_OK : sty_fail_memory(error, step->output, (double)bytes);
   for (int i = 0; !status && i < step->packing.manifest.style_count; i++) {
     status = encode_style(step, i, &encoded, error);
-    if (!status) status = sty_write_ktx2_layer(texture, encoded.texels, error);
-    if (!status) review_overlap(&step->packing, &step->arguments.options, i, &encoded.overlap);
+    if (!status) status = write_guide(step, i, &encoded, texels, texture, error);
   }
-  free_encoded(&encoded);
+  free(encoded.texels);
+  free(texels);
   return status;
 }
 

@@ -139,25 +139,43 @@ StyStatus step_lut(Step *step, StyError *error) {
   return status;
 }
 
+static StyStatus place_lut(const char *file, StyKtx2 *texture, int layer, StyError *error) {
+  StyMapping mapping;
+  StyTexture one;
+  StyStatus status = map_texture(file, STY_VK_R16G16_UNORM, &mapping, &one, error);
+  if (status) return status;
+  if ((int)one.width != texture->width || (int)one.height != texture->height)
+    status = sty_fail(error, STY_ERROR_INPUT, "%s: found a table of %ux%u texels, expected %dx%d as the first has",
+                      file, one.width, one.height, texture->width, texture->height);
+  else
+    status = sty_place_ktx2_layer(texture, layer, one.texels, error);
+  sty_unmap_file(&mapping);
+  return status;
+}
+
+typedef struct Stack {
+  const Step *step;
+  StyKtx2 texture;
+} Stack;
+
+static StyStatus stack_lut(void *context, long i, StyError *error) {
+  Stack *stack = context;
+  const char *file = get_step_file(stack->step, "luts", (size_t)i, error);
+  return file ? place_lut(file, &stack->texture, (int)i, error) : STY_ERROR_INPUT;
+}
+
 /* One behind the other; the first says how large all are. */
 static StyStatus write_luts(const Step *step, int count, const char *made, StyError *error) {
-  StyKtx2 texture = {.width = 0};
-  StyStatus status = STY_OK;
-  for (int i = 0; !status && i < count; i++) {
-    StyMapping mapping;
-    StyTexture one;
-    const char *file = get_step_file(step, "luts", (size_t)i, error);
-    status = file ? map_texture(file, STY_VK_R16G16_UNORM, &mapping, &one, error) : STY_ERROR_INPUT;
-    if (status) break;
-    if (i == 0)
-      status = sty_open_ktx2(made, STY_VK_R16G16_UNORM, (int)one.width, (int)one.height, count, &texture, error);
-    else if ((int)one.width != texture.width || (int)one.height != texture.height)
-      status = sty_fail(error, STY_ERROR_INPUT, "%s: found a table of %ux%u texels, expected %dx%d as the others have",
-                        file, one.width, one.height, texture.width, texture.height);
-    if (!status) status = sty_write_ktx2_layer(&texture, one.texels, error);
-    sty_unmap_file(&mapping);
-  }
-  return sty_end_ktx2(&texture, status, error);
+  const StyRun run = {.threads = step->arguments.options.threads};
+  Stack stack = {.step = step};
+  StyMapping mapping;
+  StyTexture first;
+  const char *file = get_step_file(step, "luts", 0, error);
+  StyStatus status = file ? map_texture(file, STY_VK_R16G16_UNORM, &mapping, &first, error) : STY_ERROR_INPUT;
+  if (status) return status;
+  sty_unmap_file(&mapping);
+  status = sty_open_ktx2(made, STY_VK_R16G16_UNORM, (int)first.width, (int)first.height, count, &stack.texture, error);
+  return status ? status : sty_end_ktx2(&stack.texture, sty_parallel_for(&run, count, stack_lut, &stack, error), error);
 }
 
 StyStatus step_luts(Step *step, StyError *error) {
@@ -276,5 +294,6 @@ StyStatus step_bundle(Step *step, StyError *error) {
     if (!status) status = add_facts(step, i, style, error);
     if (!status && inputs) status = add_inputs(step, i, root, inputs, error);
   }
-  return status ? status : sty_assemble_bundle(path, parts, index, error);
+  const StyRun run = {.threads = step->arguments.options.threads};
+  return status ? status : sty_assemble_bundle(path, parts, index, &run, error);
 }

@@ -1,5 +1,6 @@
 /* stylut COMMAND: finds the command and hands the rest of the line to it. */
 #include <errno.h>
+#include <malloc.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -108,6 +109,10 @@ static bool is_unit_known(void) {
   return false;
 }
 
+/* Arrays from this size on go back to the system when they are freed. Left to itself, malloc keeps larger ones the
+ * larger those were that it saw, for each thread. */
+enum { KEPT_SIZE = 4 << 20 };
+
 int main(int argc, char **argv) {
   StyError error;
   if (!is_unit_known()) return STY_ERROR_USAGE;
@@ -115,6 +120,7 @@ int main(int argc, char **argv) {
     fprintf(stderr, "stylut: error: %s\n", error.text);
     return (int)error.status;
   }
+  mallopt(M_MMAP_THRESHOLD, KEPT_SIZE);
   sty_clean_up_when_ended();
   static char help[] = "--help";
   if (argc == 3 && strcmp(argv[1], "help") == 0) {

@@ -28,6 +28,9 @@ StyStatus sty_open_output(const char *path, StyOutput *out, StyError *error);
 /* Checks that all that was written so far has arrived (full disk). */
 StyStatus sty_flush_output(StyOutput *output, StyError *error);
 
+/* Writes `size` bytes at `offset`, around the stream: what is to be before them was flushed. From any thread. */
+StyStatus sty_place_output(const StyOutput *output, uint64_t offset, const void *bytes, size_t size, StyError *error);
+
 /* Flushes, checks every earlier write, and renames into place. On failure
  * the temporary is removed. Either way *output is spent. */
 StyStatus sty_commit_output(StyOutput *output, StyError *error);

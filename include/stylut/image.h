@@ -50,6 +50,9 @@ StyStatus sty_create_image(int width, int height, int channel_count, const char 
 /* Frees and nulls *image; does nothing for NULL. */
 void sty_destroy_image(StyImage **image);
 
+/* All of it; the caller owns *out. STY_ERROR_LIBRARY: memory. */
+StyStatus sty_copy_image(const StyImage *image, StyImage **out, StyError *error);
+
 /* Pixels of one channel. */
 static inline size_t sty_count_pixels(const StyImage *image) { return (size_t)image->width * (size_t)image->height; }
 

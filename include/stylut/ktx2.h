@@ -24,8 +24,11 @@ typedef struct StyKtx2 {
 StyStatus sty_open_ktx2(const char *path, uint32_t format, int width, int height, int layers, StyKtx2 *out,
                         StyError *error);
 
-/* Appends one layer: layer_size bytes, rows from the top, no padding,
- * little-endian components. */
+/* Writes one layer, 0 .. layers - 1: layer_size bytes, rows from the top, no padding, little-endian components. Each
+ * layer once, in any order, from any thread. */
+StyStatus sty_place_ktx2_layer(StyKtx2 *texture, int layer, const void *texels, StyError *error);
+
+/* The same of the layer behind those that are written, where all are written in their order by one thread. */
 StyStatus sty_write_ktx2_layer(StyKtx2 *texture, const void *texels, StyError *error);
 
 /* Finishes after exactly `layers` layers; the file appears. *texture is spent. */

@@ -157,13 +157,14 @@ StyStatus sty_write_style(StyBundleWriter *writer, const uint8_t *const *exempla
  * object that says what went in, is borrowed and completed with "schema",
  * "version", "files", "import_settings" and "sha256", the hash of the rest in compact form with
  * sorted keys. *writer is spent. */
-StyStatus sty_commit_bundle(StyBundleWriter **writer, const uint8_t *jitter, json_t *index, StyError *error);
+StyStatus sty_commit_bundle(StyBundleWriter **writer, const uint8_t *jitter, json_t *index, const StyRun *run,
+                            StyError *error);
 void sty_discard_bundle(StyBundleWriter **writer);
 
 /* A bundle of textures that were written one by one, each a file of STY_BUNDLE_* in the folder `parts`, which it links
  * (copies, where the file system has no links): import settings and the index are written, all is checked, and the
  * bundle put in its place, as by sty_commit_bundle. */
-StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index, StyError *error);
+StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index, const StyRun *run, StyError *error);
 
 /* STY_ERROR_FILE unless a bundle may be put at `path`: a new name, an empty folder, or an earlier bundle's, which may
  * hold other files; those stay. */

@@ -117,6 +117,18 @@ StyStatus sty_flush_output(StyOutput *output, StyError *error) {
   return fflush(output->stream) != 0 || earlier ? fail_output(output, errno ? errno : ENOSPC, error) : STY_OK;
 }
 
+StyStatus sty_place_output(const StyOutput *output, uint64_t offset, const void *bytes, size_t size, StyError *error) {
+  for (size_t done = 0; done < size;) {
+    const ssize_t some =
+        pwrite(fileno(output->stream), (const char *)bytes + done, size - done, (off_t)(offset + done));
+    if (some > 0)
+      done += (size_t)some;
+    else if (some == 0 || errno != EINTR)
+      return fail_output(output, some == 0 ? ENOSPC : errno, error);
+  }
+  return STY_OK;
+}
+
 StyStatus sty_commit_output(StyOutput *output, StyError *error) {
   StyStatus status = sty_flush_output(output, error);
   const int closed = fclose(output->stream);

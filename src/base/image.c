@@ -47,6 +47,21 @@ void sty_destroy_image(StyImage **image) {
   *image = NULL;
 }
 
+StyStatus sty_copy_image(const StyImage *image, StyImage **out, StyError *error) {
+  const char *names[STY_MAX_CHANNELS];
+  StyImage *copy = NULL;
+  for (int c = 0; c < image->channel_count; c++) names[c] = image->names[c];
+  StyStatus status =
+      sty_create_image(image->width, image->height, image->channel_count, names, image->bits, &copy, error);
+  if (!status)
+    memcpy(copy->data, image->data, sty_count_pixels(image) * (size_t)image->channel_count * sizeof *image->data);
+  for (int i = 0; !status && i < image->attribute_count; i++)
+    status = sty_set_attribute(copy, image->attributes[i].name, image->attributes[i].value, error);
+  if (status) sty_destroy_image(&copy);
+  *out = copy;
+  return status;
+}
+
 float *sty_find_channel(const StyImage *image, const char *name) {
   for (int c = 0; c < image->channel_count; c++)
     if (strcmp(image->names[c], name) == 0) return image->data + (size_t)c * sty_count_pixels(image);

@@ -25,7 +25,7 @@ static StyStatus describe_part(const char *path, int which, StyKtx2 *out, StyErr
   return status;
 }
 
-StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index, StyError *error) {
+StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index, const StyRun *run, StyError *error) {
   StyBundleFolder folder = {.path = NULL};
   StyKtx2 textures[STY_BUNDLE_FILES];
   StyStatus status = sty_open_bundle_folder(path, &folder, error);
@@ -39,7 +39,7 @@ StyStatus sty_assemble_bundle(const char *path, const char *parts, json_t *index
     free(to);
   }
   if (!status) status = sty_write_import_settings(&folder, textures, error);
-  if (!status) status = sty_commit_bundle_folder(&folder, index, error);
+  if (!status) status = sty_commit_bundle_folder(&folder, index, run, error);
   sty_discard_bundle_folder(&folder);
   return status;
 }

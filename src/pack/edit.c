@@ -99,7 +99,7 @@ StyStatus sty_save_parameters(const char *name, const StyLoadedBundle *bundle, S
     if (i != STY_BUNDLE_PARAMS) status = keep_file(path, &folder, sty_bundle_files[i], error);
   if (!status) status = keep_file(path, &folder, STY_IMPORT_SETTINGS, error);
   if (!status) status = write_texture(bundle, &folder, error);
-  if (!status) status = sty_commit_bundle_folder(&folder, bundle->index.root, error);
+  if (!status) status = sty_commit_bundle_folder(&folder, bundle->index.root, NULL, error);
   sty_discard_bundle_folder(&folder);
   free(path);
   return status;

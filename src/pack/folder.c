@@ -122,16 +122,25 @@ static StyStatus describe_file(const StyBundleFolder *folder, const char *name, 
   return status;
 }
 
-static StyStatus complete_index(const StyBundleFolder *folder, json_t *index, StyError *error) {
+typedef struct Description {
+  const StyBundleFolder *folder;
+  json_t *entries[STY_BUNDLE_FILES];
+} Description;
+
+static StyStatus describe_texture_file(void *context, long i, StyError *error) {
+  Description *description = context;
+  return describe_file(description->folder, sty_bundle_files[i], &description->entries[i], error);
+}
+
+static StyStatus complete_index(const StyBundleFolder *folder, json_t *index, const StyRun *run, StyError *error) {
   json_t *files = json_array(), *entry = NULL;
-  StyStatus status = STY_OK;
+  Description description = {.folder = folder};
   json_object_set_new(index, "schema", json_string(STY_BUNDLE_SCHEMA));
   json_object_set_new(index, "version", json_string(STY_VERSION));
   json_object_set_new(index, "files", files);
-  for (int i = 0; !status && i < STY_BUNDLE_FILES; i++) {
-    status = describe_file(folder, sty_bundle_files[i], &entry, error);
-    if (!status) json_array_append_new(files, entry);
-  }
+  StyStatus status = sty_parallel_for(run, STY_BUNDLE_FILES, describe_texture_file, &description, error);
+  for (int i = 0; i < STY_BUNDLE_FILES; i++)
+    if (description.entries[i]) json_array_append_new(files, description.entries[i]);
   if (!status) status = describe_file(folder, STY_IMPORT_SETTINGS, &entry, error);
   if (!status) json_object_set_new(index, STY_IMPORT_KEY, entry);
   char seal[STY_HASH_SIZE];
@@ -228,8 +237,8 @@ static StyStatus move_into_place(StyBundleFolder *folder, StyError *error) {
   return status;
 }
 
-StyStatus sty_commit_bundle_folder(StyBundleFolder *folder, json_t *index, StyError *error) {
-  StyStatus status = complete_index(folder, index, error);
+StyStatus sty_commit_bundle_folder(StyBundleFolder *folder, json_t *index, const StyRun *run, StyError *error) {
+  StyStatus status = complete_index(folder, index, run, error);
   if (!status) status = write_index(folder, index, error);
   if (!status) status = sty_check_fresh_bundle(folder->temporary, error);
   return status ? status : move_into_place(folder, error);

@@ -22,7 +22,7 @@ char *sty_name_bundle_file(const StyBundleFolder *folder, const char *name, StyE
 
 /* Once all textures and the import settings are there: completes `index` (see sty_commit_bundle), writes it, checks
  * everything as a reader would and moves the folder into its place. */
-StyStatus sty_commit_bundle_folder(StyBundleFolder *folder, json_t *index, StyError *error);
+StyStatus sty_commit_bundle_folder(StyBundleFolder *folder, json_t *index, const StyRun *run, StyError *error);
 
 /* Frees the names, and removes what isn't in its place. Does nothing to a folder that is zeroed. */
 void sty_discard_bundle_folder(StyBundleFolder *folder);

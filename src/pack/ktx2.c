@@ -122,25 +122,32 @@ StyStatus sty_open_ktx2(const char *path, uint32_t format_number, int width, int
     return sty_fail(error, STY_ERROR_USAGE, "%s: found %dx%d texels and %d layers, expected fewer than 2^63 bytes",
                     path, width, height, layers);
   StyKtx2 texture = {.width = width, .height = height, .layers = layers, .layer_size = texels * texel};
-  const StyStatus status = sty_open_output(path, &texture.output, error);
+  StyStatus status = sty_open_output(path, &texture.output, error);
   if (status) return status;
   Head head = {{0}, 0};
   put_head(&head, format, width, height, layers, texture.layer_size * (uint64_t)layers);
   fwrite(head.bytes, 1, head.size, texture.output.stream);
+  status = sty_flush_output(&texture.output, error);
   texture.offset = head.size;
-  *out = texture;
-  return STY_OK;
+  if (status)
+    sty_discard_output(&texture.output);
+  else
+    *out = texture;
+  return status;
+}
+
+StyStatus sty_place_ktx2_layer(StyKtx2 *texture, int layer, const void *texels, StyError *error) {
+  if (layer < 0 || layer >= texture->layers)
+    return sty_fail(error, STY_ERROR_USAGE, "%s: found layer %d, expected one of the %d", texture->output.path, layer,
+                    texture->layers);
+  const StyStatus status = sty_place_output(&texture->output, texture->offset + (uint64_t)layer * texture->layer_size,
+                                            texels, (size_t)texture->layer_size, error);
+  if (!status) __atomic_fetch_add(&texture->written, 1, __ATOMIC_RELAXED);
+  return status;
 }
 
 StyStatus sty_write_ktx2_layer(StyKtx2 *texture, const void *texels, StyError *error) {
-  if (texture->written >= texture->layers)
-    return sty_fail(error, STY_ERROR_USAGE, "%s: found more layers than the %d expected", texture->output.path,
-                    texture->layers);
-  if (fwrite(texels, 1, (size_t)texture->layer_size, texture->output.stream) != texture->layer_size)
-    return sty_fail(error, STY_ERROR_FILE, "%s: cannot write, expected room for %llu bytes", texture->output.path,
-                    (unsigned long long)texture->layer_size);
-  texture->written++;
-  return STY_OK;
+  return sty_place_ktx2_layer(texture, texture->written, texels, error);
 }
 
 StyStatus sty_commit_ktx2(StyKtx2 *texture, StyError *error) {

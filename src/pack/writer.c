@@ -86,14 +86,15 @@ static StyStatus write_parameters(StyBundleWriter *writer, StyError *error) {
   return status;
 }
 
-StyStatus sty_commit_bundle(StyBundleWriter **writer_slot, const uint8_t *jitter, json_t *index, StyError *error) {
+StyStatus sty_commit_bundle(StyBundleWriter **writer_slot, const uint8_t *jitter, json_t *index, const StyRun *run,
+                            StyError *error) {
   StyBundleWriter *writer = *writer_slot;
   StyStatus status = write_parameters(writer, error);
   for (int table = 0; !status && table < writer->shape.jitter_count; table++)
     status = sty_write_ktx2_layer(&writer->textures[STY_BUNDLE_JITTER], jitter + table * STY_JITTER_BYTES, error);
   if (!status) status = sty_write_import_settings(&writer->folder, writer->textures, error);
   for (int i = 0; !status && i < STY_BUNDLE_FILES; i++) status = sty_commit_ktx2(&writer->textures[i], error);
-  if (!status) status = sty_commit_bundle_folder(&writer->folder, index, error);
+  if (!status) status = sty_commit_bundle_folder(&writer->folder, index, run, error);
   sty_discard_bundle(writer_slot);
   return status;
 }

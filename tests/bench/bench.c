@@ -5,11 +5,12 @@
  * where the ratio is the reference's time over the row's (above 1: faster than
  * the reference); for memory, the bytes taken over the bytes held. Nothing is
  * judged here.
- * Usage: bench SECTION STYLUT EXEMPLARS SCRATCH; each section wants a process
+ * Usage: bench SECTION STYLUT EXEMPLARS SCRATCH, with the program decode beside bench; each section wants a process
  * of its own, because a child's peak memory starts at its parent's. */
 #include <embree3/rtcore.h>
 #include <fcntl.h>
 #include <flann/flann.h>
+#include <limits.h>
 #include <math.h>
 #include <spawn.h>
 #include <stdarg.h>
@@ -17,12 +18,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "stylut/chart.h"
 #include "stylut/file.h"
 #include "stylut/guide.h"
+#include "stylut/image_io.h"
 #include "stylut/json.h"
 #include "stylut/lut.h"
 
@@ -35,7 +38,7 @@ enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
 
 /* What main was called with. */
 typedef struct Paths {
-  const char *stylut, *exemplars, *scratch;
+  const char *bench, *stylut, *exemplars, *scratch;
 } Paths;
 
 /* ---- failing ---- */
@@ -466,6 +469,103 @@ static void bench_startup(const Paths *paths) {
   free(picture);
 }
 
+/* ---- section: batch ---- */
+
+enum { STYLES = 256, BATCH_RUNS = 5 };
+
+/* STYLES pictures in `folder`, no two the same, and a manifest of them all beside it. Where masks differ, each has a
+ * pixel without paint that is its own, and so a table of its own. */
+static void paint_styles(const Paths *paths, const char *folder, bool masks_differ, char (*painted)[PATH_MAX],
+                         const char *manifest) {
+  static const char *const names[] = {"charcoal", "oil", "pencil", "stipple", "watercolour"};
+  enum { NAMES = sizeof names / sizeof *names };
+  StyImage *images[NAMES];
+  StyError error;
+  for (int n = 0; n < NAMES; n++) {
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/spheres/%s.png", paths->exemplars, names[n]);
+    require(sty_read_image(path, &images[n], &error), &error);
+  }
+  if (mkdir(folder, 0777) != 0) fail("%s cannot be made", folder);
+  for (int i = 0; i < STYLES; i++) {
+    StyImage *image = images[i % NAMES];
+    float *alpha = sty_find_channel(image, "A") + (image->height / 2) * image->width + image->width / 4 + i;
+    for (size_t p = 0; p < sty_count_pixels(image); p++) image->data[p] *= 0.99f; /* the red */
+    if (masks_differ) *alpha = 0;
+    snprintf(painted[i], sizeof painted[i], "%s/%d.png", folder, i);
+    require(sty_write_image(painted[i], image, &error), &error);
+    *alpha = 1;
+  }
+  for (int n = 0; n < NAMES; n++) sty_destroy_image(&images[n]);
+  FILE *file = fopen(manifest, "w");
+  if (!file ||
+      fprintf(file, "{\"schema\": \"stylut-bundle/1\", \"styles\": [{\"glob\": \"%s/*.png\"}]}",
+              strrchr(folder, '/') + 1) < 0 ||
+      fclose(file) != 0)
+    fail("%s cannot be written", manifest);
+}
+
+/* From the guide to the table. */
+static double time_table(const StyImage *guide, const StyEngine *engine, int threads) {
+  StyError error;
+  StySites *sites = NULL;
+  const double start = sty_get_milliseconds();
+  require(sty_collect_sites("sphere", guide, &sites, &error), &error);
+  const double collected = sty_get_milliseconds() - start;
+  const double time = collected + time_engine(engine, sites, threads);
+  sty_destroy_sites(&sites);
+  return time;
+}
+
+/* Many styles packed beside the least that it must do: decoding its pictures with OpenImageIO, and building its tables.
+ */
+static void bench_batch_of(const Paths *paths, const char *row, bool masks_differ, int threads) {
+  static char painted[STYLES][PATH_MAX];
+  static const char *decode[STYLES + 3];
+  char *manifest = join(paths->scratch, masks_differ ? "own.json" : "one.json");
+  char *folder = join(paths->scratch, masks_differ ? "own" : "one");
+  char decoder[PATH_MAX], count[16];
+  paint_styles(paths, folder, masks_differ, painted, manifest);
+  snprintf(decoder, sizeof decoder, "%.*sdecode", (int)(strrchr(paths->bench, '/') + 1 - paths->bench), paths->bench);
+  snprintf(count, sizeof count, "%d", threads);
+  decode[0] = decoder;
+  decode[1] = count;
+  for (int i = 0; i < STYLES; i++) decode[2 + i] = painted[i];
+  StyImage *guide = NULL;
+  const StyEngine *engine = NULL;
+  StyError error;
+  require(sty_make_sphere_guide(SPHERE, SPHERE, STY_GUIDE_NORMAL, &guide, &error), &error);
+  require(sty_find_engine("bench", "grid", &engine, &error), &error);
+  Series least = {0}, packed = {0}, cold = {0}, again = {0};
+  for (int run = 0; run < BATCH_RUNS; run++) {
+    char out[PATH_MAX], bundle[PATH_MAX];
+    snprintf(out, sizeof out, "%s.%d", folder, run);
+    snprintf(bundle, sizeof bundle, "%s.packed%d", folder, run);
+    const char *const pack[] = {paths->stylut, "pack", manifest, "-o", bundle, "-j", count, "--quiet", NULL};
+    const char *const batch[] = {paths->stylut, "batch", manifest, "-o", out, "-j", count, "--quiet", NULL};
+    double time = run_program(decode, "/dev/null");
+    for (int table = 0; table < (masks_differ ? STYLES : 1); table++) time += time_table(guide, engine, threads);
+    add_value(&least, time);
+    add_value(&packed, run_program(pack, "/dev/null"));
+    add_value(&cold, run_program(batch, "/dev/null"));
+    add_value(&again, run_program(batch, "/dev/null"));
+  }
+  sty_destroy_image(&guide);
+  const char *reference = "decoding and tables";
+  print_times(row, reference, &least, STYLES, "styles/s", NULL, NULL);
+  print_times(row, "pack", &packed, STYLES, "styles/s", &least, reference);
+  print_times(row, "batch", &cold, STYLES, "styles/s", &least, reference);
+  print_times(row, "batch nothing changed", &again, STYLES, "styles/s", &least, reference);
+  free(folder);
+  free(manifest);
+}
+
+static void bench_batch(const Paths *paths) {
+  const int threads = thread_counts[THREAD_COUNTS - 1];
+  bench_batch_of(paths, "256 styles a table each", true, threads);
+  bench_batch_of(paths, "256 styles one table", false, threads);
+}
+
 /* ---- section: memory ---- */
 
 /* What a command with --format json said of itself. */
@@ -579,12 +679,16 @@ int main(int argc, char **argv) {
   static const struct {
     const char *name;
     void (*run)(const Paths *paths);
-  } sections[] = {{"guide", bench_guide}, {"lut", bench_lut}, {"startup", bench_startup}, {"memory", bench_memory}};
+  } sections[] = {{"guide", bench_guide},
+                  {"lut", bench_lut},
+                  {"startup", bench_startup},
+                  {"batch", bench_batch},
+                  {"memory", bench_memory}};
   for (size_t s = 0; argc == 5 && s < sizeof sections / sizeof *sections; s++) {
     if (strcmp(argv[1], sections[s].name) != 0) continue;
-    const Paths paths = {argv[2], argv[3], argv[4]};
+    const Paths paths = {argv[0], argv[2], argv[3], argv[4]};
     sections[s].run(&paths);
     return EXIT_SUCCESS;
   }
-  fail("usage: bench guide|lut|startup|memory STYLUT EXEMPLARS SCRATCH");
+  fail("usage: bench guide|lut|startup|batch|memory STYLUT EXEMPLARS SCRATCH");
 }

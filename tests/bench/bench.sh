@@ -17,7 +17,7 @@ printf 'bench: stylut bench\n' >&2
 "$build/stylut" bench -q --csv "$scratch/own.csv"
 {
   cat "$scratch/own.csv"
-  for section in guide lut startup memory; do
+  for section in guide lut startup batch memory; do
     printf 'bench: %s\n' "$section" >&2
     "$build/tests/bench/bench" "$section" "$build/stylut" "$exemplars" "$scratch"
   done

@@ -79,7 +79,7 @@ static void write_bundle(const char *path, int styles, uint64_t seed) {
   sty_make_jitter(seed, jitter);
   json_t *index = make_index(styles);
   StyError error = {STY_OK, ""};
-  if (sty_commit_bundle(&writer, jitter, index, &error) != STY_OK) fail_msg("%s", error.text);
+  if (sty_commit_bundle(&writer, jitter, index, NULL, &error) != STY_OK) fail_msg("%s", error.text);
   assert_null(writer);
   json_decref(index);
 }
@@ -312,7 +312,7 @@ static void test_letter_arrives_late(void **state) {
   put_path(letter, path, "letter.txt");
   write_file(letter, "dear", 4);
   json_t *index = make_index(1);
-  (void)sty_commit_bundle(&writer, jitter, index, NULL);
+  (void)sty_commit_bundle(&writer, jitter, index, NULL, NULL);
   assert_null(writer);
   json_decref(index);
   int letters = 0;
@@ -336,7 +336,7 @@ static void test_missing_style(void **state) {
   write_style(writer, &layers, &PARAMETERS);
   json_t *index = make_index(2);
   StyError error = {STY_OK, ""};
-  assert_int_not_equal(sty_commit_bundle(&writer, jitter, index, &error), STY_OK);
+  assert_int_not_equal(sty_commit_bundle(&writer, jitter, index, NULL, &error), STY_OK);
   assert_null(writer);
   json_decref(index);
   assert_int_equal(count_entries(scratch->folder), 0);
@@ -359,7 +359,7 @@ static void test_bad_parameters_are_not_written(void **state) {
         sty_write_style(writer, &(const uint8_t *){layers.exemplar}, layers.guide, layers.lut, &bad[i], &error);
     if (status == STY_OK) {
       json_t *index = make_index(1);
-      status = sty_commit_bundle(&writer, jitter, index, &error);
+      status = sty_commit_bundle(&writer, jitter, index, NULL, &error);
       json_decref(index);
     }
     assert_int_not_equal(status, STY_OK);
@@ -559,7 +559,7 @@ static void test_finding_mismatch(void **state) {
   StyBundleWriter *writer = open_writer(wide, WIDTH + 1, 1);
   assert_int_equal(sty_write_style(writer, &(const uint8_t *){larger}, larger, layers.lut, &PARAMETERS, NULL), STY_OK);
   json_t *index = make_index(1);
-  assert_int_equal(sty_commit_bundle(&writer, jitter, index, NULL), STY_OK);
+  assert_int_equal(sty_commit_bundle(&writer, jitter, index, NULL, NULL), STY_OK);
   json_decref(index);
   write_bundle(path, 1, 1);
   put_path(from, wide, sty_bundle_files[STY_BUNDLE_GUIDES]);
@@ -631,7 +631,7 @@ static void test_finding_background(void **state) {
   write_style(writer, &layers, &PARAMETERS);
   json_t *index = make_index(1);
   StyError error = {STY_OK, ""};
-  if (sty_commit_bundle(&writer, jitter, index, &error) != STY_OK) fail_msg("%s", error.text);
+  if (sty_commit_bundle(&writer, jitter, index, NULL, &error) != STY_OK) fail_msg("%s", error.text);
   json_decref(index);
   StyLoadedBundle loaded = {0};
   Report report = {0};

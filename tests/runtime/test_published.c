@@ -83,7 +83,7 @@ static void make_bundle(const char *path, const uint8_t *exemplar, const uint8_t
   if (sty_open_bundle_writer(path, &shape, &writer, &error)) fail_msg("%s", error.text);
   if (sty_write_style(writer, &exemplar, guide, lut, &style, &error)) fail_msg("%s", error.text);
   json_t *index = json_pack("{s:[{s:s}]}", "styles", "name", "published");
-  if (sty_commit_bundle(&writer, jitter, index, &error)) fail_msg("%s", error.text);
+  if (sty_commit_bundle(&writer, jitter, index, NULL, &error)) fail_msg("%s", error.text);
   json_decref(index);
 }
 
