@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "anchors.h"
 #include "commands.h"
@@ -11,7 +12,9 @@
 #include "sequence.h"
 #include "stylize_frame.h"
 #include "stylize_measure.h"
+#include "stylut/file.h"
 #include "stylut/image_io.h"
+#include "stylut/pack.h"
 #include "stylut/parse.h"
 
 typedef struct Arguments {
@@ -99,15 +102,57 @@ static const struct argp_option options_table[] = {
 
 static const char *const output_options[OUTPUTS] = {"--output", "--nnf", "--chunks", "--flat"};
 
-/* A picture's name must end in .png and be no other output's. */
-static StyStatus check_picture(const char *option, const char *path, const char *const *others, StyError *error) {
+/* More digits than any pattern asks for, so that %d and %04d name one file. */
+enum { ANY_FRAME = 1000000000 };
+
+/* Whether two names, there or not, mean one file: by the folders' identity, and by what stands behind them. */
+static bool is_same_name(const char *a, const char *b) {
+  char *const folders[2] = {sty_get_folder(a), sty_get_folder(b)};
+  char *const frames[2] = {name_frame(sty_get_base_name(a), ANY_FRAME), name_frame(sty_get_base_name(b), ANY_FRAME)};
+  struct stat info[2];
+  const bool is_same = folders[0] && folders[1] && frames[0] && frames[1] && strcmp(frames[0], frames[1]) == 0 &&
+                       stat(folders[0], &info[0]) == 0 && stat(folders[1], &info[1]) == 0 &&
+                       info[0].st_dev == info[1].st_dev && info[0].st_ino == info[1].st_ino;
+  for (int i = 0; i < 2; i++) {
+    free(folders[i]);
+    free(frames[i]);
+  }
+  return is_same;
+}
+
+/* Whether a name means a file of the bundle. */
+static StyStatus find_in_bundle(const char *bundle, const char *path, bool *out, StyError *error) {
+  const char *const more[] = {STY_BUNDLE_INDEX, STY_IMPORT_SETTINGS};
+  *out = false;
+  for (int i = 0; i < STY_BUNDLE_FILES + 2 && !*out; i++) {
+    char *file = sty_join_path(bundle, i < STY_BUNDLE_FILES ? sty_bundle_files[i] : more[i - STY_BUNDLE_FILES]);
+    if (!file) return sty_fail_memory(error, bundle, 0);
+    *out = is_same_name(file, path);
+    free(file);
+  }
+  return STY_OK;
+}
+
+/* What is written may be no input, and nothing else that is written. */
+static StyStatus check_written(const Arguments *arguments, const char *option, const char *path, StyError *error) {
+  const char *const *outputs = arguments->outputs, *const pivots = arguments->anchors.pivots;
+  bool is_input = is_same_name(path, arguments->guide) || (pivots && is_same_name(path, pivots));
+  const StyStatus status = is_input ? STY_OK : find_in_bundle(arguments->bundle, path, &is_input, error);
+  if (status) return status;
+  if (is_input)
+    return sty_fail(error, STY_ERROR_USAGE, "option '%s': found %s, which is an input, expected another name", option,
+                    path);
+  for (int i = 0; i < OUTPUTS; i++)
+    if (outputs[i] && outputs[i] != path && is_same_name(outputs[i], path))
+      return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s' twice, expected a name of its own", option,
+                      path);
+  return STY_OK;
+}
+
+static StyStatus check_picture(const char *option, const char *path, StyError *error) {
   StyImageFormat format;
   if (sty_get_image_format(path, &format, NULL) || format != STY_IMAGE_PNG)
     return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s', expected a name that ends in .png", option, path);
-  for (int i = 0; i < OUTPUTS; i++)
-    if (others[i] && others[i] != path && strcmp(others[i], path) == 0)
-      return sty_fail(error, STY_ERROR_USAGE, "option '%s': found '%s' twice, expected a name of its own", option,
-                      path);
   return STY_OK;
 }
 
@@ -156,13 +201,16 @@ static StyStatus check_arguments(Arguments *arguments) {
   const char *const *paths = arguments->outputs;
   arguments->outputs[OUTPUT_PICTURE] = arguments->options.output;
   for (int i = 0; !status && i < OUTPUTS; i++)
-    if (paths[i]) status = check_picture(output_options[i], paths[i], paths, error);
+    if (paths[i]) status = check_picture(output_options[i], paths[i], error);
   const char *const inputs[] = {arguments->guide, arguments->anchors.pivots};
-  for (int i = 0; !status && i < OUTPUTS; i++)
-    status = protect_inputs(&arguments->options, paths[i], inputs, arguments->anchors.pivots ? 2 : 1);
+  for (int i = 0; !status && i < OUTPUTS; i++) {
+    if (!paths[i]) continue;
+    status = check_written(arguments, output_options[i], paths[i], error);
+    if (!status) status = protect_inputs(&arguments->options, paths[i], inputs, 2); /* links */
+  }
   if (!status && arguments->measure) status = require_folder(&arguments->options, arguments->measure);
-  if (!status)
-    status = protect_inputs(&arguments->options, arguments->measure, inputs, arguments->anchors.pivots ? 2 : 1);
+  if (!status && arguments->measure) status = check_written(arguments, "--measure", arguments->measure, error);
+  if (!status) status = protect_inputs(&arguments->options, arguments->measure, inputs, 2);
   if (!status && arguments->measure)
     status = refuse_pattern("--measure", arguments->measure, "one file for all frames", error);
   if (!status) status = check_patterns(arguments);

@@ -392,37 +392,39 @@ static StyStatus draw_flat(const Request *request, const Work *work, StyImage **
   return status;
 }
 
-/* How the frame came about, into an image's metadata. */
-static StyStatus record(const Request *request, const FrameFiles *files, StyImage *image, StyError *error) {
+/* How the frame came about and which of its pictures this is, into an image's metadata. */
+static StyStatus record(const Request *request, const FrameFiles *files, int kind, StyImage *image, StyError *error) {
+  static const char *const kinds[OUTPUTS] = {"picture", "nnf", "chunks", "flat"};
   char *index = sty_join_path(request->bundle_path, STY_BUNDLE_INDEX);
   const char *const inputs[] = {files->guide, index, request->anchors->pivots};
-  const StyStatus status =
+  StyStatus status =
       index ? add_history(request->options, "stylize", image, inputs, request->anchors->pivots ? 3 : 2, error)
             : sty_fail_memory(error, "history", 0);
+  if (!status && !request->options->no_history) status = sty_set_attribute(image, "stylut:shows", kinds[kind], error);
   free(index);
   return status;
 }
 
-static StyStatus prepare_output(const Request *request, const FrameFiles *files, const char *path, const Work *work,
-                                DrawOutput *draw, StyOutput *out, StyError *error) {
+static StyStatus prepare_output(const Request *request, const FrameFiles *files, int kind, const Work *work,
+                                StyOutput *out, StyError *error) {
+  static DrawOutput *const draw[OUTPUTS] = {draw_picture, draw_field, draw_chunks, draw_flat};
   StyImage *image = NULL;
-  StyStatus status = draw(request, work, &image, error);
+  StyStatus status = draw[kind](request, work, &image, error);
   if (status) return status;
-  status = record(request, files, image, error);
-  if (!status) status = sty_prepare_image(path, image, out, error);
+  status = record(request, files, kind, image, error);
+  if (!status) status = sty_prepare_image(files->outputs[kind], image, out, error);
   sty_destroy_image(&image);
   return status;
 }
 
 StyStatus write_work(const Request *request, const FrameFiles *files, Work *work, StyError *error) {
   const double start = sty_get_milliseconds();
-  static DrawOutput *const draw[OUTPUTS] = {draw_picture, draw_field, draw_chunks, draw_flat};
   StyOutput outputs[OUTPUTS];
   int count = 0;
   StyStatus status = STY_OK;
   for (int i = 0; !status && i < OUTPUTS; i++) {
     if (!files->outputs[i]) continue;
-    status = prepare_output(request, files, files->outputs[i], work, draw[i], &outputs[count], error);
+    status = prepare_output(request, files, i, work, &outputs[count], error);
     count += !status;
   }
   for (int i = 0; i < count; i++) {
@@ -447,13 +449,18 @@ static bool has_history(const char *path, const StyImage *wanted) {
   return is_same;
 }
 
-bool is_kept(const Request *request, const FrameFiles *files) {
+static bool is_kept_of(const Request *request, const FrameFiles *files, int kind) {
   static const char *const names[] = {"A"};
   StyImage *wanted = NULL;
-  if (request->options->no_history || access(files->outputs[OUTPUT_PICTURE], R_OK) != 0) return false;
   if (sty_create_image(1, 1, 1, names, 8, &wanted, NULL)) return false;
-  bool is_same = !record(request, files, wanted, NULL);
-  for (int i = 0; is_same && i < OUTPUTS; i++) is_same = !files->outputs[i] || has_history(files->outputs[i], wanted);
+  const bool is_same = !record(request, files, kind, wanted, NULL) && has_history(files->outputs[kind], wanted);
   sty_destroy_image(&wanted);
+  return is_same;
+}
+
+bool is_kept(const Request *request, const FrameFiles *files) {
+  if (request->options->no_history || access(files->outputs[OUTPUT_PICTURE], R_OK) != 0) return false;
+  bool is_same = true;
+  for (int i = 0; is_same && i < OUTPUTS; i++) is_same = !files->outputs[i] || is_kept_of(request, files, i);
   return is_same;
 }

@@ -31,8 +31,8 @@ typedef enum StyRuntimeStatus {
 } StyRuntimeStatus;
 
 /* The number of this interface. It grows by one whenever a structure, a constant or the meaning of a function here or
- * in runtime_format.h changes, so that a program built before would err; new functions leave it. A program that loads
- * the library when it starts compares both. */
+ * in runtime_format.h changes, so that a program built before would err; new functions leave it. Where header and
+ * library may not be of one version, a program compares both when it starts. */
 #define STY_RUNTIME_ABI 1
 int sty_get_runtime_abi(void);
 
@@ -130,7 +130,7 @@ typedef struct StyFrame {
   const uint8_t *albedo;   /* 4 a pixel: R G B encoded as the exemplar's (sRGB), the fourth isn't read; NULL: white */
   const int32_t *anchors;  /* 2 an object id (x, y): where the object's seed grid begins, pixels of this frame, at
                               most STY_MAX_ANCHOR either way; NULL: at the frame's corner for all. An object that moves
-                              by  whole pixels with its anchor keeps its matches, save near the frame's edges, where it
+                              by whole pixels with its anchor keeps its matches, save near the frame's edges, where it
                               loses seeds */
   int anchor_count;        /* object ids that have one: 0 .. anchor_count-1; the others' is 0, 0 */
   int number;              /* of the frame in its sequence, 0 and up: chooses the jitter table */
@@ -189,8 +189,8 @@ StyRuntimeStatus sty_fill_seeds(const StyBundle *bundle, const StySeeds *seeds, 
  * All four fill `matches` (width*height of the frame) inside `rect`. */
 
 /* StyleBlit, parallel form (thesis 000, algorithm 1). For level = top..0 the nearest seed proposes u* = LUT(guide at
- * seed); the candidate is u* + (p - seed) / S, S = scale
- * * 2^resolution, rounded down; the lighting is that of least |luma byte at seed - luma byte of the lighting|, the
+ * seed); the candidate is u* + (p - seed) / S, S = scale *
+ * 2^resolution, rounded down; the lighting is that of least |luma byte at seed - luma byte of the lighting|, the
  * first among equals. It is accepted when it lies inside the source, is covered there, and 256 * D + w * |luma at p -
  * luma of the lighting| < 256 * threshold, D = sum over x, y, z of absolute byte differences between the frame's guide
  * at p and the source's at the candidate, w = 256 * luma_weight rounded (eq. 3.3.1). A seed outside the frame or not

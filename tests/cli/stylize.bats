@@ -70,6 +70,29 @@ take() { ln -s "$BATS_FILE_TMPDIR"/f.*.exr "$BATS_FILE_TMPDIR/bundle" .; }
   expect_holds 'after one was cut off' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --resolution half)" '1 frame drawn, 5 kept'
 }
 
+@test "what is written is no input, nothing else that is written, and kept only for what it shows" {
+  take
+  cp f.0001.exr frame.exr
+  "$STYLUT" guide sphere -q -s 32 -o n.0001.png
+  cp n.0001.png n.0002.png
+  sha256sum n.* bundle/* >before
+  local name
+  for name in 'n.%04d.png' './n.%04d.png' 'n.%d.png' "$PWD/n.%04d.png"; do
+    refuse 1 'which is an input' stylize bundle --guide 'n.%04d.png' -o "$name"
+    refuse 1 "'--nnf': found $name, which is an input" stylize bundle --guide 'n.%04d.png' -o 'o.%04d.png' --nnf "$name"
+  done
+  for name in bundle.json luts.ktx2 import-settings.json; do
+    refuse 1 "'--measure': found bundle/$name, which is an input" stylize bundle --guide frame.exr -o o.png --measure "bundle/$name"
+  done
+  refuse 1 'twice' stylize bundle --guide frame.exr -o o.png --measure o.png
+  refuse 1 'twice' stylize bundle --guide frame.exr -o o.png --chunks ./o.png
+  sha256sum --check --quiet before
+  accept stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --chunks 'c.%04d.png'
+  expect_holds 'chunks are no picture' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'c.%04d.png')" '6 frames drawn, 0 kept'
+  expect_holds 'nor flat areas' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --flat 'c.%04d.png')" '6 frames drawn, 0 kept'
+  expect_holds 'which are kept then' "$("$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' --flat 'c.%04d.png')" '0 frames drawn, 6 kept'
+}
+
 @test "a run that is killed goes on to the same bytes" {
   take
   "$STYLUT" stylize bundle --guide 'f.%04d.exr' -o 'a.%04d.png' -q

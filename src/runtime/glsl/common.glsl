@@ -1,4 +1,4 @@
-/* What the passes share; twin of view.h, match.c and seeds.c. Names, formats and meaning of textures and uniforms:
+/* What the passes share; twin of view.h, matching.h and seeds.c. Names, formats and meaning of textures and uniforms:
  * README.md. Texels are fetched, never filtered, and all decisions are made in integers. */
 
 /* ---- the bundle: its files as they are ---- */
