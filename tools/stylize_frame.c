@@ -392,15 +392,19 @@ static StyStatus draw_flat(const Request *request, const Work *work, StyImage **
   return status;
 }
 
-/* How the frame came about and which of its pictures this is, into an image's metadata. */
-static StyStatus record(const Request *request, const FrameFiles *files, int kind, StyImage *image, StyError *error) {
+/* Which of the frame's pictures this is, into its metadata. */
+static StyStatus record_kind(int kind, StyImage *image, StyError *error) {
   static const char *const kinds[OUTPUTS] = {"picture", "nnf", "chunks", "flat"};
+  return sty_set_attribute(image, "stylut:shows", kinds[kind], error);
+}
+
+/* How the frame came about, the same. */
+static StyStatus record(const Request *request, const FrameFiles *files, StyImage *image, StyError *error) {
   char *index = sty_join_path(request->bundle_path, STY_BUNDLE_INDEX);
   const char *const inputs[] = {files->guide, index, request->anchors->pivots};
-  StyStatus status =
+  const StyStatus status =
       index ? add_history(request->options, "stylize", image, inputs, request->anchors->pivots ? 3 : 2, error)
             : sty_fail_memory(error, "history", 0);
-  if (!status && !request->options->no_history) status = sty_set_attribute(image, "stylut:shows", kinds[kind], error);
   free(index);
   return status;
 }
@@ -411,7 +415,8 @@ static StyStatus prepare_output(const Request *request, const FrameFiles *files,
   StyImage *image = NULL;
   StyStatus status = draw[kind](request, work, &image, error);
   if (status) return status;
-  status = record(request, files, kind, image, error);
+  status = record(request, files, image, error);
+  if (!status && !request->options->no_history) status = record_kind(kind, image, error);
   if (!status) status = sty_prepare_image(files->outputs[kind], image, out, error);
   sty_destroy_image(&image);
   return status;
@@ -449,18 +454,14 @@ static bool has_history(const char *path, const StyImage *wanted) {
   return is_same;
 }
 
-static bool is_kept_of(const Request *request, const FrameFiles *files, int kind) {
+bool is_kept(const Request *request, const FrameFiles *files) {
   static const char *const names[] = {"A"};
   StyImage *wanted = NULL;
-  if (sty_create_image(1, 1, 1, names, 8, &wanted, NULL)) return false;
-  const bool is_same = !record(request, files, kind, wanted, NULL) && has_history(files->outputs[kind], wanted);
-  sty_destroy_image(&wanted);
-  return is_same;
-}
-
-bool is_kept(const Request *request, const FrameFiles *files) {
   if (request->options->no_history || access(files->outputs[OUTPUT_PICTURE], R_OK) != 0) return false;
-  bool is_same = true;
-  for (int i = 0; is_same && i < OUTPUTS; i++) is_same = !files->outputs[i] || is_kept_of(request, files, i);
+  if (sty_create_image(1, 1, 1, names, 8, &wanted, NULL)) return false;
+  bool is_same = !record(request, files, wanted, NULL);
+  for (int i = 0; is_same && i < OUTPUTS; i++)
+    is_same = !files->outputs[i] || (!record_kind(i, wanted, NULL) && has_history(files->outputs[i], wanted));
+  sty_destroy_image(&wanted);
   return is_same;
 }
